@@ -101,30 +101,39 @@ function(ragtop_precompile target)
         $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
 endfunction()
 
-# ragtop_unity(<target> [BATCH <number>] [ALONE <regex>] [TOGETHER <regex>]): compiles eight sources at a time, or another
-# number. Their headers, and what templates make of those again in each source, are most of what they cost. Sources whose paths match ALONE use the same
-# names for different things and stay alone; those that match TOGETHER share headers that few others include, and are
-# compiled with each other. Call it when the target has all its sources.
+# ragtop_unity(<target> [MOST <number>] [ALONE <regex>] [TOGETHER <regex>]): compiles many sources at a time, in units of
+# the same size with at most 8 of them, or another number. Their headers, and what templates make of those again in each
+# unit, are most of what they cost. Sources whose paths match ALONE use the same names for different things and stay alone;
+# those that match TOGETHER share headers that few others include, and are compiled with each other. Call it when the
+# target has all its sources.
 function(ragtop_unity target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "BATCH;ALONE;TOGETHER" "")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "MOST;ALONE;TOGETHER" "")
     if(NOT RAGTOP_UNITY)
         return()
     endif()
-    if(NOT arg_BATCH)
-        set(arg_BATCH 8)
+    if(NOT arg_MOST)
+        set(arg_MOST 8)
     endif()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${arg_BATCH})
+    get_target_property(sources ${target} SOURCES)
     if(arg_TOGETHER)
-        get_target_property(sources ${target} SOURCES)
         set(together ${sources})
         list(FILTER together INCLUDE REGEX "${arg_TOGETHER}")
         list(REMOVE_ITEM sources ${together})
-        set_property(TARGET ${target} PROPERTY SOURCES ${together} ${sources})
+        list(PREPEND sources ${together})
+        set_property(TARGET ${target} PROPERTY SOURCES ${sources})
     endif()
+    list(FILTER sources INCLUDE REGEX "\\.cpp$")
     if(arg_ALONE)
-        get_target_property(sources ${target} SOURCES)
-        list(FILTER sources INCLUDE REGEX "${arg_ALONE}")
-        set_source_files_properties(${sources} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+        set(alone ${sources})
+        list(FILTER alone INCLUDE REGEX "${arg_ALONE}")
+        set_source_files_properties(${alone} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+        list(FILTER sources EXCLUDE REGEX "${arg_ALONE}")
+    endif()
+    list(LENGTH sources count)
+    math(EXPR units "(${count} + ${arg_MOST} - 1) / ${arg_MOST}")
+    if(units GREATER 0)
+        math(EXPR size "(${count} + ${units} - 1) / ${units}")
+        set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${size})
     endif()
 endfunction()
 

@@ -29,12 +29,12 @@ std::string joint(const std::string& name, const std::string& type, const std::s
            "'/>" + inner + "</joint>\n";
 }
 
-std::string robotOf(const std::string& inner) { return "<robot name='r'><link name='world'/>\n" + inner + "</robot>"; }
+std::string robotXml(const std::string& inner) { return "<robot name='r'><link name='world'/>\n" + inner + "</robot>"; }
 
 /// A link of `mass` kg on one joint of the world.
 std::string oneJoint(const std::string& type, const std::string& inner, double mass = 1, double moment = 0.02,
                      const std::string& center = "") {
-    return robotOf(link("l", mass, "", moment, center) + joint("j", type, "world", "l", inner));
+    return robotXml(link("l", mass, "", moment, center) + joint("j", type, "world", "l", inner));
 }
 
 const std::string kWide = "<limit lower='-100' upper='100' effort='0' velocity='0'/>";
@@ -170,10 +170,11 @@ TEST_F(RobotLaw, VelocityCapsTheDrive) {
 
 TEST_F(RobotLaw, FollowersWeighOnTheirLeader) {
     // F = (m₁ + 2² m₂) a.
-    build(robotOf(link("l", 1) + link("m", 0.5) + joint("j", "prismatic", "world", "l", "<axis xyz='1 0 0'/>" + kWide) +
-                  joint("k", "prismatic", "world", "m",
-                        "<axis xyz='0 1 0'/>" + kWide + "<mimic joint='j' multiplier='2' offset='0.3'/>")),
-          {0, 0, 0});
+    build(
+        robotXml(link("l", 1) + link("m", 0.5) + joint("j", "prismatic", "world", "l", "<axis xyz='1 0 0'/>" + kWide) +
+                 joint("k", "prismatic", "world", "m",
+                       "<axis xyz='0 1 0'/>" + kWide + "<mimic joint='j' multiplier='2' offset='0.3'/>")),
+        {0, 0, 0});
     EXPECT_NEAR(robot.joints[1].home, 0.3, 1e-6);
     push("l", {6, 0, 0}, 1);
     EXPECT_NEAR(at("j"), 0.5 * 6 / 3, drift(2, 1));
@@ -181,9 +182,9 @@ TEST_F(RobotLaw, FollowersWeighOnTheirLeader) {
 }
 
 TEST_F(RobotLaw, FollowingHingesTurnTheOtherWay) {
-    build(robotOf(link("l", 1, "", 0.1) + link("m", 1, "", 0.4) +
-                  joint("j", "continuous", "world", "l", "<axis xyz='0 0 1'/>") +
-                  joint("k", "continuous", "world", "m", "<axis xyz='0 0 1'/><mimic joint='j' multiplier='-0.5'/>")),
+    build(robotXml(link("l", 1, "", 0.1) + link("m", 1, "", 0.4) +
+                   joint("j", "continuous", "world", "l", "<axis xyz='0 0 1'/>") +
+                   joint("k", "continuous", "world", "m", "<axis xyz='0 0 1'/><mimic joint='j' multiplier='-0.5'/>")),
           {0, 0, 0});
     // α = τ/(I₁ + I₂/4) = 5 rad/s², 2.5 rad and many turns after some seconds.
     for (int i = 0; i < 240; ++i) {
@@ -198,10 +199,10 @@ TEST_F(RobotLaw, FollowingHingesTurnTheOtherWay) {
 
 TEST_F(RobotLaw, FollowersOfFollowersMultiply) {
     const std::string mimic = "<axis xyz='1 0 0'/>" + kWide + "<mimic multiplier='3' joint=";
-    build(robotOf(link("l", 1) + link("m", 1) + link("n", 1) +
-                  joint("j", "prismatic", "world", "l", "<axis xyz='1 0 0'/>" + kWide) +
-                  joint("k", "prismatic", "world", "m", mimic + "'j'/>") +
-                  joint("i", "prismatic", "world", "n", mimic + "'k'/>")),
+    build(robotXml(link("l", 1) + link("m", 1) + link("n", 1) +
+                   joint("j", "prismatic", "world", "l", "<axis xyz='1 0 0'/>" + kWide) +
+                   joint("k", "prismatic", "world", "m", mimic + "'j'/>") +
+                   joint("i", "prismatic", "world", "n", mimic + "'k'/>")),
           {0, 0, 0});
     push("l", {91, 0, 0}, 0.5);
     EXPECT_NEAR(at("j"), 0.125, drift(1, 0.5));
@@ -209,9 +210,9 @@ TEST_F(RobotLaw, FollowersOfFollowersMultiply) {
 }
 
 TEST_F(RobotLaw, AMultiplierOfZeroLocks) {
-    build(robotOf(link("l", 1) + link("m", 1) + joint("j", "prismatic", "world", "l", "<axis xyz='1 0 0'/>" + kWide) +
-                  joint("k", "prismatic", "world", "m",
-                        "<axis xyz='0 0 1'/>" + kWide + "<mimic joint='j' multiplier='0' offset='0.2'/>")));
+    build(robotXml(link("l", 1) + link("m", 1) + joint("j", "prismatic", "world", "l", "<axis xyz='1 0 0'/>" + kWide) +
+                   joint("k", "prismatic", "world", "m",
+                         "<axis xyz='0 0 1'/>" + kWide + "<mimic joint='j' multiplier='0' offset='0.2'/>")));
     run(1);
     EXPECT_NEAR(at("k"), 0.2, 1e-4);
 }
@@ -280,10 +281,11 @@ TEST_F(RobotLaw, HomeIsWithinTheRange) {
 
 TEST_F(RobotLaw, HomeHeedsThoseThatFollow) {
     const std::string wide = "<axis xyz='1 0 0'/><limit effort='0' velocity='0' ";
-    build(robotOf(link("l", 1) + link("m", 1) + joint("j", "prismatic", "world", "l", wide + "lower='-1' upper='1'/>") +
-                  joint("k", "prismatic", "world", "m",
-                        wide + "lower='0.5' upper='2'/><mimic joint='j' multiplier='-2' offset='0.1'/>")),
-          {0, 0, 0});
+    build(
+        robotXml(link("l", 1) + link("m", 1) + joint("j", "prismatic", "world", "l", wide + "lower='-1' upper='1'/>") +
+                 joint("k", "prismatic", "world", "m",
+                       wide + "lower='0.5' upper='2'/><mimic joint='j' multiplier='-2' offset='0.1'/>")),
+        {0, 0, 0});
     EXPECT_NEAR(robot.joints[0].home, -0.2, 1e-6);
     EXPECT_NEAR(robot.joints[1].home, 0.5, 1e-6);
     run(0.2);
@@ -294,8 +296,8 @@ TEST_F(RobotLaw, HomeHeedsThoseThatFollow) {
 TEST_F(RobotLaw, SphericalJointsSwingAnyWay) {
     // A conical pendulum: ω² = g/(L cos θ), with moments that vanish beside m L².
     const double angle = 0.3, spin = std::sqrt(9.81 / std::cos(angle));
-    build(robotOf(link("l", 1, "", 1e-4, "<origin xyz='0 0 -1'/>") +
-                  joint("j", "spherical", "world", "l", "<origin rpy='0 -0.3 0'/>")));
+    build(robotXml(link("l", 1, "", 1e-4, "<origin xyz='0 0 -1'/>") +
+                   joint("j", "spherical", "world", "l", "<origin rpy='0 -0.3 0'/>")));
     const float radius = static_cast<float>(std::sin(angle));
     const float rate = static_cast<float>(spin);
     const float sign = world.centerOfMass(body("l")).x > 0 ? 1.0f : -1.0f;
@@ -307,8 +309,8 @@ TEST_F(RobotLaw, SphericalJointsSwingAnyWay) {
 
 TEST_F(RobotLaw, SphericalJointsHaveFrictionAndDamping) {
     // Iω' = −c ω − τ about one axis: ω = (ω₀ + τ/c) e^{−ct/I} − τ/c.
-    build(robotOf(link("l", 1, "", 0.5) +
-                  joint("j", "spherical", "world", "l", "<dynamics damping='0.25' friction='0.1'/>")),
+    build(robotXml(link("l", 1, "", 0.5) +
+                   joint("j", "spherical", "world", "l", "<dynamics damping='0.25' friction='0.1'/>")),
           {0, 0, 0});
     world.setVelocity(body("l"), {}, {0, 3, 0});
     run(1);
@@ -317,9 +319,9 @@ TEST_F(RobotLaw, SphericalJointsHaveFrictionAndDamping) {
 
 TEST_F(RobotLaw, InertiaTurnsWithItsOrigin) {
     // Moments 1, 2, 3 turned by a quarter about x: 2 about z.
-    build(robotOf("<link name='l'><inertial><origin rpy='1.5707963 0 0'/><mass value='1'/><inertia ixx='1' iyy='2' "
-                  "izz='3' ixy='0' ixz='0' iyz='0'/></inertial></link>" +
-                  joint("j", "continuous", "world", "l", "<axis xyz='0 0 1'/>")),
+    build(robotXml("<link name='l'><inertial><origin rpy='1.5707963 0 0'/><mass value='1'/><inertia ixx='1' iyy='2' "
+                   "izz='3' ixy='0' ixz='0' iyz='0'/></inertial></link>" +
+                   joint("j", "continuous", "world", "l", "<axis xyz='0 0 1'/>")),
           {0, 0, 0});
     for (int i = 0; i < 240; ++i) {
         world.applyTorque(body("l"), {0, 1, 0});
@@ -330,9 +332,9 @@ TEST_F(RobotLaw, InertiaTurnsWithItsOrigin) {
 
 TEST_F(RobotLaw, FixedLinksSwingAsOne) {
     // Two kilograms at 0.5 m and 1 m: I = 0.25 + 1 + 0.04, m g d = g · 1.5.
-    build(robotOf(link("l", 1, "", 0.02, "<origin xyz='0 0 -0.5'/>") + link("m", 1) +
-                  joint("j", "continuous", "world", "l", "<origin rpy='0 0.05 0'/><axis xyz='0 1 0'/>") +
-                  joint("k", "fixed", "l", "m", "<origin xyz='0 0 -1'/>")));
+    build(robotXml(link("l", 1, "", 0.02, "<origin xyz='0 0 -0.5'/>") + link("m", 1) +
+                   joint("j", "continuous", "world", "l", "<origin rpy='0 0.05 0'/><axis xyz='0 1 0'/>") +
+                   joint("k", "fixed", "l", "m", "<origin xyz='0 0 -1'/>")));
     const double rate = std::sqrt(9.81 * 1.5 / 1.29);
     run(3.14159265 / rate);
     EXPECT_NEAR(at("j"), -0.1, 1e-3);

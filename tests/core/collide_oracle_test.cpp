@@ -11,14 +11,14 @@ constexpr double kChoice = 0.011;
 /// And by this part of the overlap along the face: an edge is one point, which holds the less the deeper it is.
 constexpr double kFavour = 0.1;
 
-struct Pair {
+struct ConvexPair {
     ConvexView a, b;
     Frame bInA;
     double size;    ///< smallest half thickness
     double extent;  ///< largest radius
 };
 
-void compareWithBruteForce(const Pair& pair) {
+void compareWithBruteForce(const ConvexPair& pair) {
     const ExactHull a(pair.a, {}), b(pair.b, pair.bInA);
     const double exact = separationOf(a, b), rounding = 3e-6 * pair.extent;
     const Manifold m = collided(pair.a, pair.b, pair.bInA);
@@ -41,7 +41,7 @@ void compareWithBruteForce(const Pair& pair) {
 #ifdef RAGTOP_WITH_CCD
 /// Same verdict; no deeper than libccd's portal refinement, which never reports less than the true depth; as deep as
 /// its expanding polytope, which ends early on one pair in twenty (then brute force sides with us) and is counted.
-bool compareWithCcd(const Pair& pair) {
+bool compareWithCcd(const ConvexPair& pair) {
     const CcdShape a{pair.a, {}}, b{pair.b, pair.bInA};
     const ccd_t ccd = ccdSettings();
     const Manifold m = collided(pair.a, pair.b, pair.bInA);
@@ -71,7 +71,7 @@ bool compareWithCcd(const Pair& pair) {
 }
 #endif
 
-Pair randomBoxes(Random& random) {
+ConvexPair randomBoxes(Random& random) {
     const auto half = [&] { return Vec3{random.uniform(0.2f, 1), random.uniform(0.2f, 1), random.uniform(0.2f, 1)}; };
     const Vec3 a = half(), b = half();
     const float least = std::min({a.x, a.y, a.z, b.x, b.y, b.z});
@@ -91,7 +91,7 @@ TEST(BoxPair, AgreesWithBruteForceWhenNearlyAligned) {
     Random random(2);
     for (int i = 0; i < 4000; ++i) {
         SCOPED_TRACE(i);
-        Pair pair = randomBoxes(random);
+        ConvexPair pair = randomBoxes(random);
         const float angle = random.uniform(0, 1) * (i % 2 == 0 ? 1e-4f : 2e-2f);
         pair.bInA.rotation = rotationAbout(random.direction(), angle);
         const Vec3 sum = pair.a.halfExtents + pair.b.halfExtents;
@@ -117,7 +117,7 @@ TEST(BoxHull, CollidesAsTheBoxItIs) {
     Random random(4);
     for (int i = 0; i < 2000; ++i) {
         SCOPED_TRACE(i);
-        const Pair pair = randomBoxes(random);
+        const ConvexPair pair = randomBoxes(random);
         const HullData a = boxHull(pair.a.halfExtents), b = boxHull(pair.b.halfExtents);
         compareWithBruteForce({hullView(a), hullView(b), pair.bInA, pair.size, pair.extent});
         compareWithBruteForce({pair.a, hullView(b), pair.bInA, pair.size, pair.extent});

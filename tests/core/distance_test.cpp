@@ -163,21 +163,21 @@ TEST(Sweep, OfABallEndsWhereItsCentreComesAsNearAsItsRadius) {
             return distance(triangle, sphereView(radius), {start + t * travel, {}}).distance;
         };
         const SweepHit hit = sweep(triangle, sphereView(radius), {start, {}}, travel);
-        constexpr float kRounding = 2e-5f;  // some thirty units in the last place of 6 m
-        if (distanceAt(0) < kRounding) {
+        constexpr float kFewUlps = 2e-5f;  // some thirty units in the last place of 6 m
+        if (distanceAt(0) < kFewUlps) {
             EXPECT_EQ(hit.fraction, 0);
             ++starts;
             continue;
         }
         const float until = hit.hit ? hit.fraction : 1;
-        for (int k = 0; k < 40; ++k) ASSERT_GE(distanceAt(until * static_cast<float>(k) / 40), -kRounding);
+        for (int k = 0; k < 40; ++k) ASSERT_GE(distanceAt(until * static_cast<float>(k) / 40), -kFewUlps);
         if (!hit.hit) continue;
         ++hits;
         const Vec3 apart = start + hit.fraction * travel - hit.point;
         // Where a ball grazes, a time is the root of a difference: its distance is what is known.
-        EXPECT_NEAR(distanceAt(hit.fraction), 0, kRounding);
-        EXPECT_NEAR(length(apart), radius, kRounding);
-        EXPECT_NEAR(dot(apart, hit.normal), radius, kRounding);
+        EXPECT_NEAR(distanceAt(hit.fraction), 0, kFewUlps);
+        EXPECT_NEAR(length(apart), radius, kFewUlps);
+        EXPECT_NEAR(dot(apart, hit.normal), radius, kFewUlps);
         if (!hit.onFace) continue;
         ++faces;
         EXPECT_EQ(hit.normal, triangle.normal);

@@ -8,7 +8,7 @@ namespace {
 using namespace test;
 
 /// Potential, of height, and kinetic energy of all bodies, J.
-double energyOf(const World& world, const std::vector<BodyId>& bodies) {
+double energyOfAll(const World& world, const std::vector<BodyId>& bodies) {
     double sum = 0;
     for (const BodyId body : bodies) sum += test::energyOf(world, body);
     return sum;
@@ -63,12 +63,12 @@ TEST(EnergyGuard, ABridgeThatBoxesFallOnNeverHasMoreEnergyThanTheyBring) {
         settings.solver = solver;
         World world{settings};
         const Bridge bridge{world};
-        const double start = energyOf(world, bridge.bodies);
+        const double start = energyOfAll(world, bridge.bodies);
         for (int i = 0; i < 480; ++i) {
             world.step(kDt);
 
             // Rows of joints trade up to a hundredth between places and speeds.
-            ASSERT_LE(energyOf(world, bridge.bodies), 1.01 * start) << nameOf(solver) << " step " << i;
+            ASSERT_LE(energyOfAll(world, bridge.bodies), 1.01 * start) << nameOf(solver) << " step " << i;
         }
     }
 }
@@ -102,12 +102,12 @@ TEST(EnergyGuard, ABridgeThatAModulePushesNeverHasMoreEnergyThanItIsGiven) {
     StepModule module{.user = &pusher, .name = "pusher"};
     module.beforeSubstep = [](void* user, World& w, double h) { static_cast<Pusher*>(user)->push(w, h); };
     world.add(&module);
-    const double start = energyOf(world, bridge.bodies);
+    const double start = energyOfAll(world, bridge.bodies);
     double most = 0;
     for (int i = 0; i < 480; ++i) {
         world.step(kDt);
         most = std::max(most, pusher.given);
-        ASSERT_LE(energyOf(world, bridge.bodies), 1.01 * start + most) << "step " << i;
+        ASSERT_LE(energyOfAll(world, bridge.bodies), 1.01 * start + most) << "step " << i;
     }
     EXPECT_GT(most, 10);
     EXPECT_GT(world.stats().energyGuarded, 0u);
@@ -162,10 +162,10 @@ TEST(EnergyGuard, ANetThatABallFallsOnNeverHasMoreEnergyThanItBrings) {
         const Net net(world, c.side, c.x, c.mass);
         double fall = asDouble(c.mass) * (kFall - kSag);  // kg m
         for (const BodyId body : net.bodies) fall += asDouble(world.mass(body).mass) * kSag;
-        const double start = energyOf(world, net.bodies), room = kRoom * asDouble(kGravity) * fall;
+        const double start = energyOfAll(world, net.bodies), room = kRoom * asDouble(kGravity) * fall;
         for (int i = 0; i < stepsIn(1); ++i) {
             world.step(kDt);
-            ASSERT_LE(energyOf(world, net.bodies), start + room) << c.side << ", " << c.mass << " kg, step " << i;
+            ASSERT_LE(energyOfAll(world, net.bodies), start + room) << c.side << ", " << c.mass << " kg, step " << i;
         }
     }
 }
@@ -347,7 +347,7 @@ TEST(EnergyGuard, ALatticeThatNoSolverHoldsComesToRestRatherThanHangInMidMotion)
         World world{settings};
         addFloor(world);
         const Lattice lattice(world, 4, 0.5);
-        const double start = energyOf(world, lattice.bodies);
+        const double start = energyOfAll(world, lattice.bodies);
         int stuck = 0;
         DVec3 before{};
         for (int i = 0; i < stepsIn(4); ++i) {
@@ -356,7 +356,7 @@ TEST(EnergyGuard, ALatticeThatNoSolverHoldsComesToRestRatherThanHangInMidMotion)
             stuck = now == before && lattice.speed(world) > 0.01 ? stuck + 1 : 0;
             before = now;
             ASSERT_LE(stuck, 10) << nameOf(solver) << " step " << i;
-            ASSERT_LE(energyOf(world, lattice.bodies), 1.01 * start) << nameOf(solver) << " step " << i;
+            ASSERT_LE(energyOfAll(world, lattice.bodies), 1.01 * start) << nameOf(solver) << " step " << i;
         }
         EXPECT_LT(lattice.speed(world), 0.02) << nameOf(solver);
     }

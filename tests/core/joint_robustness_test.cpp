@@ -126,7 +126,7 @@ TEST(Ball, TwistAndSwingThroughHalfTurnsGiveBoundedImpulses) {
     }
 }
 
-class Random {
+class JointDice {
 public:
     float unit() { return std::uniform_real_distribution<float>(-1, 1)(engine_); }
     bool coin() { return engine_() & 1u; }
@@ -144,7 +144,7 @@ private:
     std::mt19937 engine_{7};
 };
 
-JointDef randomBall(Random& random, const JointBodies& bodies, const std::optional<Range>& twist, const Stop& stop,
+JointDef randomBall(JointDice& random, const JointBodies& bodies, const std::optional<Range>& twist, const Stop& stop,
                     float friction, const std::optional<Bearing>& bearing, const std::optional<Spring>& spring) {
     BallDef ball;
     ball.bodies = bodies;
@@ -179,7 +179,7 @@ JointDef randomBall(Random& random, const JointBodies& bodies, const std::option
     return ball;
 }
 
-JointDef randomJoint(Random& random) {
+JointDef randomJoint(JointDice& random) {
     const auto spring = [&]() -> std::optional<Spring> {
         if (random.coin()) return std::nullopt;
         return Spring{random.coin() ? random.magnitude(6) : 0.0f, random.coin() ? random.magnitude(5) : 0.0f};
@@ -237,7 +237,7 @@ JointDef randomJoint(Random& random) {
 }
 
 TEST(Joint, RandomStatesNeverGiveNaN) {
-    Random random;
+    JointDice random;
     for (int trial = 0; trial < 100000; ++trial) {
         Bench bench;
         compileJoint(randomJoint(random), random.vector(0.1f), random.vector(0.1f), bench.joint);
@@ -269,7 +269,7 @@ TEST(Joint, RandomStatesNeverGiveNaN) {
 }
 
 TEST(Joint, BodiesWithoutMassAreNeverWritten) {
-    Random random;
+    JointDice random;
     for (int trial = 0; trial < 1000; ++trial) {
         Bench bench;
         compileJoint(randomJoint(random), {}, {}, bench.joint);

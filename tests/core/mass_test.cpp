@@ -13,9 +13,9 @@ namespace ragtop {
 namespace {
 
 /// Sums are in double and rounded once.
-constexpr double kRounding = 2e-7;
+constexpr double kMassRounding = 2e-7;
 
-void expectSame(const MassProperties& got, const MassProperties& wanted, float size, double relative = kRounding) {
+void expectSame(const MassProperties& got, const MassProperties& wanted, float size, double relative = kMassRounding) {
     EXPECT_NEAR(got.mass, wanted.mass, relative * wanted.mass);
     EXPECT_LT(length(got.center - wanted.center), relative * size);
     const double inertia = relative * wanted.mass * size * size;
@@ -27,9 +27,9 @@ void expectSame(const MassProperties& got, const MassProperties& wanted, float s
 TEST(Mass, OfASphereIsTheClosedForm) {
     const MassProperties m = massOf(Sphere{0.3f}, 700);
     const double r = 0.3f, mass = 700 * 4.0 / 3 * std::numbers::pi * r * r * r;
-    EXPECT_NEAR(m.mass, mass, kRounding * mass);
+    EXPECT_NEAR(m.mass, mass, kMassRounding * mass);
     EXPECT_EQ(m.center, Vec3{});
-    EXPECT_NEAR(m.inertia.cx.x, 0.4 * mass * r * r, kRounding * mass);
+    EXPECT_NEAR(m.inertia.cx.x, 0.4 * mass * r * r, kMassRounding * mass);
     EXPECT_EQ(m.inertia.cx.x, m.inertia.cz.z);
     EXPECT_EQ(m.inertia.cy.x, 0);
 }
@@ -98,7 +98,7 @@ TEST(Mass, OfATetrahedronHasItsCentroid) {
     RAGTOP_NEEDS_HULLS();
     const std::vector<Vec3> points{{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {0, 0, 3}};
     const MassProperties m = massOf(ConvexHull(points), 2);
-    EXPECT_NEAR(m.mass, 9, 9 * kRounding);
+    EXPECT_NEAR(m.mass, 9, 9 * kMassRounding);
     EXPECT_LT(length(m.center - Vec3{0.75f, 0.75f, 0.75f}), 1e-6f);
     // About the corner ∫y² + z² = 2 · ρ l⁵/60; about the centre less m d².
     EXPECT_NEAR(m.inertia.cx.x, 2 * 2 * 243.0 / 60 - 9 * 2 * 0.75 * 0.75, 1e-5);
@@ -172,12 +172,14 @@ TEST(Mass, OfAMeshOfWrongOrientationIsRefused) {
         return TriangleMesh(v, t);
     };
     EXPECT_NEAR(massOf(tetrahedron(false, false), 6).mass, 1, 1e-6);
-    expectThrow([&] { massOf(tetrahedron(true, false), 1); },
-                "shape is a TriangleMesh that has a volume of -0.16666667 m³, which triangles that are clockwise seen from "
-                "outside make, and so has no mass");
-    expectThrow([&] { massOf(tetrahedron(false, true), 1); },
-                "shape is a TriangleMesh that has triangles of opposite orientation at the edge of vertices 0 and 1, and so "
-                "has no mass");
+    expectThrow(
+        [&] { massOf(tetrahedron(true, false), 1); },
+        "shape is a TriangleMesh that has a volume of -0.16666667 m³, which triangles that are clockwise seen from "
+        "outside make, and so has no mass");
+    expectThrow(
+        [&] { massOf(tetrahedron(false, true), 1); },
+        "shape is a TriangleMesh that has triangles of opposite orientation at the edge of vertices 0 and 1, and so "
+        "has no mass");
 }
 
 TEST(Mass, IsRefusedToSurfaces) {

@@ -5,12 +5,11 @@
 #include <vector>
 
 #include "ragtop/world.h"
+#include "world_support.h"
 
 /// Shapes that are moved in their bodies, and that give way.
 namespace ragtop {
 namespace {
-
-constexpr double kStep = 1.0 / 60;
 
 BodyId layFloor(World& world) { return world.create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}}); }
 
@@ -22,15 +21,15 @@ TEST(ShapeMotion, ABodyStandsOnAShapeWhereItWasMoved) {
     def.shapes = {ShapeDef{.geometry = Box{{0.5f, 0.1f, 0.5f}}}, ShapeDef{.geometry = Box{{0.4f, 0.1f, 0.4f}}}};
     def.pose.position = {0, 0.1, 0};
     const BodyId body = world.create(def);
-    for (int i = 0; i < 60; ++i) world.step(kStep);
+    for (int i = 0; i < 60; ++i) world.step(test::kDt);
     EXPECT_NEAR(world.pose(body).position.y, 0.1, 2e-3);
     const ShapeId foot = world.shapes(body)[1];
     for (int i = 1; i <= 60; ++i) {
         world.setFrame(foot, {{0, -0.005f * static_cast<float>(i), 0}, {}});
-        world.step(kStep);
+        world.step(test::kDt);
         ASSERT_EQ(world.validate(), "");
     }
-    for (int i = 0; i < 60; ++i) world.step(kStep);
+    for (int i = 0; i < 60; ++i) world.step(test::kDt);
     EXPECT_NEAR(world.pose(body).position.y, 0.4, 4e-3);
     EXPECT_NEAR(world.frame(foot).position.y, -0.3f, 1e-6f);
 }
@@ -39,7 +38,7 @@ TEST(ShapeMotion, WakesTheBodyWhereItIsAChange) {
     World world;
     layFloor(world);
     const BodyId body = world.create(DynamicBody{.shape = Box{{0.5f, 0.1f, 0.5f}}, .position = {0, 0.1, 0}});
-    for (int i = 0; i < 120; ++i) world.step(kStep);
+    for (int i = 0; i < 120; ++i) world.step(test::kDt);
     ASSERT_FALSE(world.isAwake(body));
     const ShapeId shape = world.shapes(body)[0];
     world.setFrame(shape, world.frame(shape));
@@ -71,10 +70,10 @@ TEST(ShapeMotion, WhatGivesWayIsPushedAcrossItsWayAlone) {
     def.gravityScale = 0;
     const BodyId body = world.create(def);
     EXPECT_TRUE(world.givesWay(world.shapes(body)[0]));
-    for (int i = 0; i < 60; ++i) world.step(kStep);
+    for (int i = 0; i < 60; ++i) world.step(test::kDt);
     EXPECT_NEAR(world.pose(body).position.x, 1.5, 0.02);
     world.setVelocity(body, {0, -2, 0}, {});
-    for (int i = 0; i < 24; ++i) world.step(kStep);
+    for (int i = 0; i < 24; ++i) world.step(test::kDt);
     EXPECT_NEAR(world.pose(body).position.y, 0.2, 0.01);
 }
 
@@ -99,7 +98,7 @@ TEST(ShapeMotion, WhatGivesWayGoesOverWhatMeetsItBelowItsMiddle) {
             def.linearVelocity = {0, 0, speed};
             def.gravityScale = 0;
             const BodyId body = world.create(def);
-            for (int i = 0; i < static_cast<int>(120 / speed); ++i) world.step(kStep);
+            for (int i = 0; i < static_cast<int>(120 / speed); ++i) world.step(test::kDt);
             const double z = world.pose(body).position.z;
             if (height < 1)
                 EXPECT_NEAR(z, 2, 0.2) << height << " m at " << speed << " m/s";

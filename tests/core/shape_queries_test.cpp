@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
 
-struct Random {
+struct QueryDice {
     std::mt19937 engine{17};
     float uniform(float lower, float upper) { return std::uniform_real_distribution<float>(lower, upper)(engine); }
     Vec3 point(float size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
@@ -70,7 +70,7 @@ std::vector<TriangleView> allTriangles(const Shape& shape) {
 }
 
 // A ray or path from around the hills to around them, in the frame of the hills.
-Ray pathOver(Random& random, int i) {
+Ray pathOver(QueryDice& random, int i) {
     Vec3 from{random.uniform(-10, 33), random.uniform(-3, 8), random.uniform(-10, 25)};
     Vec3 to{random.uniform(-10, 33), random.uniform(-8, 3), random.uniform(-10, 25)};
     if (i % 4 == 0) to = {from.x, -5, from.z};
@@ -97,7 +97,7 @@ TEST(ShapeQueries, RaysMeetConvexShapesWhereGeometrySaysAnywhereInTheWorld) {
 }
 
 TEST(ShapeQueries, RaysAtTrianglesFindWhatTryingAllFinds) {
-    Random random;
+    QueryDice random;
     for (const Shape& shape : {Shape(hills()), Shape(hillsAsMesh())}) {
         const std::vector<TriangleView> triangles = allTriangles(shape);
         int hits = 0;
@@ -142,7 +142,7 @@ TEST(ShapeQueries, RaysPassHolesAndBacks) {
 }
 
 TEST(ShapeQueries, SweepsAtTrianglesFindWhatTryingAllFinds) {
-    Random random;
+    QueryDice random;
     std::vector<Vec3> corners;
     for (int i = 0; i < 12; ++i) corners.push_back(random.point(0.8f) + Vec3{0.5f, 0, 0});
     std::vector<Shape> movers{Sphere{0.4f}, Capsule{0.3f, 0.6f}, Box{{0.2f, 0.5f, 1.2f}}};
@@ -205,7 +205,7 @@ TEST(ShapeQueries, OverlapsAgreeWithDistance) {
     EXPECT_TRUE(overlapsShape(Sphere{1}, beside(2.9f), Box{{2, 2, 2}}, pose));
     EXPECT_FALSE(overlapsShape(Sphere{1}, beside(3.1f), Box{{2, 2, 2}}, pose));
     EXPECT_TRUE(overlapsShape(Sphere{0.1f}, beside(0), Box{{2, 2, 2}}, pose)) << "inside";
-    Random random;
+    QueryDice random;
     for (const Shape& shape : {Shape(hills()), Shape(hillsAsMesh())}) {
         const std::vector<TriangleView> triangles = allTriangles(shape);
         for (int i = 0; i < 300; ++i) {
@@ -229,7 +229,7 @@ TEST(ShapeQueries, OnlyConvexShapesMove) {
 }
 
 TEST(ShapeQueries, AnotherScaleGivesTheSameBits) {
-    Random random;
+    QueryDice random;
     std::vector<float> heights;
     for (int i = 0; i < 100; ++i) heights.push_back(random.uniform(0, 1));
     std::vector<float> fourfold = heights;

@@ -12,7 +12,7 @@ namespace ragtop::test {
 namespace {
 
 constexpr Vec3 kMoments{0.02f, 0.06f, 0.05f};
-constexpr float kArm = 0.3f, kStiffness = 200;
+constexpr float kLever = 0.3f, kStiffness = 200;
 
 /// Deterministic numbers in [lower, upper).
 class Dice {
@@ -77,19 +77,19 @@ Drawn universal(Dice& dice, bool pressed) {
     return {def, rotationAbout({1, 0, 0}, first) * rotationAbout({0, 1, 0}, second), stored};
 }
 
-struct Kind {
+struct StopKind {
     const char* name;
     Drawn (*draw)(Dice& dice, bool pressed);
     bool mayBePressed;
 };
-constexpr Kind kKinds[] = {
+constexpr StopKind kStopKinds[] = {
     {"cone", cone, true}, {"ellipse", ellipse, false}, {"pyramid", pyramid, false}, {"universal", universal, true}};
 
 /// Joints far from each other, each of two bodies or of one and the world.
 class ThrownJoints {
 public:
     /// Velocities fit the joint but for a share `off` of them.
-    ThrownJoints(const Kind& kind, bool two, bool pressed, int count, float off = 0)
+    ThrownJoints(const StopKind& kind, bool two, bool pressed, int count, float off = 0)
         : world_(withoutGravity()), off_(off) {
         Dice dice;
         for (int i = 0; i < count; ++i) {
@@ -102,7 +102,8 @@ public:
             JointDef def = drawn.def;
             std::visit(
                 [&](auto& each) {
-                    each.bodies = {joint.a, joint.b, {two ? Vec3{kArm, 0, 0} : toVec3(at), {}}, {{-kArm, 0, 0}, {}}};
+                    each.bodies = {
+                        joint.a, joint.b, {two ? Vec3{kLever, 0, 0} : toVec3(at), {}}, {{-kLever, 0, 0}, {}}};
                 },
                 def);
             joint.id = world_.create(def);
@@ -134,7 +135,7 @@ private:
         return settings;
     }
     BodyId add(Dice& dice, const DVec3& at, const Quat& rotation, float side, const Vec3& common) {
-        const Vec3 arm = rotate(rotation, {side * kArm, 0, 0});
+        const Vec3 arm = rotate(rotation, {side * kLever, 0, 0});
         BodyDef def;
         def.pose = {at - DVec3(arm), rotation};
         def.shapes.push_back(shapeDef(Sphere{0.1f}));
@@ -150,14 +151,14 @@ private:
         return 0.5 * static_cast<double>(dot(v, v) + dot(w, scale(kMoments, w)));
     }
     /// What does not fit the rigid rows is lost at once: a universal's axes are held apart by its cross.
-    void recordKinetic(const Kind& kind);
+    void recordKinetic(const StopKind& kind);
 
     World world_;
     float off_;
     std::vector<Joint> joints_;
 };
 
-void ThrownJoints::recordKinetic(const Kind& kind) {
+void ThrownJoints::recordKinetic(const StopKind& kind) {
     if (kind.draw != universal) {
         for (Joint& joint : joints_) joint.start += energy(world_, joint.a) + energy(world_, joint.b);
         return;
@@ -191,7 +192,7 @@ void ThrownJoints::recordKinetic(const Kind& kind) {
 /// Springs give back what they took, also where sides press together, begin pressed, or are met at one and left at
 /// another time of a substep. In four seconds stops are met some ten times each.
 TEST(SoftStopStates, NoJointGainsEnergy) {
-    for (const Kind& kind : kKinds)
+    for (const StopKind& kind : kStopKinds)
         for (const bool two : {false, true})
             for (const bool pressed : {false, true}) {
                 if (pressed && !kind.mayBePressed) continue;
@@ -208,7 +209,7 @@ TEST(SoftStopStates, NoJointGainsEnergy) {
 /// Velocities that callers have from elsewhere fit a joint up to rounding, and are left as they are: so is what is
 /// known of their energy.
 TEST(SoftStopStates, FitUpToRoundingAndGainNoEnergy) {
-    for (const Kind& kind : kKinds)
+    for (const StopKind& kind : kStopKinds)
         for (const bool two : {false, true}) {
             if (!kind.mayBePressed) continue;
             ThrownJoints joints(kind, two, true, 100, 4e-6f);

@@ -242,7 +242,7 @@ double medianOf(std::vector<double> values) {
 /// much: half of such trees were off by more than 2°. What is left is an error of first order, of which a quarter of
 /// the substep leaves (1/4 − 1/16)/(1 − 1/16) = 0.2 of what the whole one has.
 TEST(DampedTrees, MoveAsWithSixteenTimesAsManySubsteps) {
-    constexpr double kDegree = 3.14159265358979 / 180;
+    constexpr double kOneDegree = 3.14159265358979 / 180;
     for (const DampedJoint kind : {DampedJoint::hinge, DampedJoint::sprungHinge, DampedJoint::ball,
                                    DampedJoint::sprungBall, DampedJoint::drivenBall}) {
         std::vector<double> coarse, fine;
@@ -251,9 +251,9 @@ TEST(DampedTrees, MoveAsWithSixteenTimesAsManySubsteps) {
             at60.run(60), at240.run(240), reference.run(960);
             coarse.push_back(at60.apartFrom(reference));
             fine.push_back(at240.apartFrom(reference));
-            EXPECT_LT(coarse.back(), kDegree) << "seed " << seed << ", joint " << static_cast<int>(kind);
+            EXPECT_LT(coarse.back(), kOneDegree) << "seed " << seed << ", joint " << static_cast<int>(kind);
         }
-        EXPECT_LT(medianOf(coarse), 0.1 * kDegree) << static_cast<int>(kind);
+        EXPECT_LT(medianOf(coarse), 0.1 * kOneDegree) << static_cast<int>(kind);
         EXPECT_LT(medianOf(fine), 0.3 * medianOf(coarse)) << static_cast<int>(kind);
     }
 }

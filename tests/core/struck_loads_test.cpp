@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "ragtop/world.h"
+#include "world_support.h"
 
 namespace ragtop {
 namespace {
-
-constexpr double kStep = 1.0 / 60;
 
 /// A body without restitution that falls on a stack of others.
 struct Drop {
@@ -25,7 +24,7 @@ float reboundOf(const Drop& drop) {
     World world;
     world.create(StaticBody{.shape = Box{{100, 1, 100}}, .position = {0, -1, 0}});
     for (int i = 0; i < drop.layers; ++i) world.create(DynamicBody{.shape = Box{}, .position = {0, 0.5 + i, 0}});
-    for (int i = 0; i < 60; ++i) world.step(kStep);
+    for (int i = 0; i < 60; ++i) world.step(test::kDt);
     const Shape shape = drop.isBox ? Shape{Box{{0.75f, 0.75f, 0.75f}}} : Shape{Sphere{0.75f}};
     const BodyId body = world.create(DynamicBody{.shape = shape,
                                                  .density = 1000 * drop.ratio / massOf(shape, 1).mass,
@@ -33,7 +32,7 @@ float reboundOf(const Drop& drop) {
                                                  .linearVelocity = {0, -drop.speed, 0}});
     float fastest = 0;
     for (int i = 0; i < 90; ++i) {
-        world.step(kStep);
+        world.step(test::kDt);
         fastest = std::max(fastest, world.linearVelocity(body).y);
     }
     return fastest;
@@ -66,7 +65,7 @@ TEST(StruckLoads, KeepMomentumOfWhatNothingHolds) {
         return sum;
     };
     const Vec3 before = momentum();
-    for (int i = 0; i < 120; ++i) world.step(kStep);
+    for (int i = 0; i < 120; ++i) world.step(test::kDt);
     EXPECT_LT(length(momentum() - before), 1e-5f * 16000 * 30);
     // What came with 20 and 10 m/s goes on together, or apart by what the light bodies between them take with them.
     EXPECT_LT(world.linearVelocity(bodies[3]).x - world.linearVelocity(bodies[0]).x, 0.25f * 30);
@@ -84,7 +83,7 @@ std::pair<double, double> heightsOver(float floorSpeed) {
             .shape = Box{}, .density = density, .position = {0, y, 0}, .linearVelocity = {0, floorSpeed - 3, 0}});
     };
     const BodyId light = add(0.75, 1000), heavy = add(1.76, 16000);
-    for (int i = 0; i < 60; ++i) world.step(kStep);
+    for (int i = 0; i < 60; ++i) world.step(test::kDt);
     const double top = world.pose(floor).position.y + 0.5;
     return {world.pose(light).position.y - top, world.pose(heavy).position.y - top};
 }

@@ -6,8 +6,8 @@
 
 #include "world_support.h"
 
-// A joint that the core does not know, made in this file alone out of what docs/architecture.md names for that: a module
-// that names its bodies and gives impulses before each substep.
+// A joint that the core does not know, made in this file alone out of what docs/architecture.md names for that: a
+// module that names its bodies and gives impulses before each substep.
 namespace ragtop {
 namespace {
 
@@ -18,26 +18,24 @@ using namespace test;
 ///   C = yA + yB − c ≥ 0,   Ċ = vA + vB,   λ = max(0, −(Ċ + 2 h g + β C)/(1/mA + 1/mB))   up, on both ends,
 ///
 /// with what gravity gives in the substep, as it is integrated after the impulse.
-class Rope {
+class ToyRope {
 public:
-    Rope(World& world, BodyId a, BodyId b) : ends_{a, b}, sum_(sumIn(world)) {
+    ToyRope(World& world, BodyId a, BodyId b) : ends_{a, b}, sum_(sumIn(world)) {
         module_.user = this;
         module_.name = "rope";
         module_.look = [](void* user, const World&, double) { return std::span<const BodyId>(self(user).ends_); };
         module_.beforeSubstep = [](void* user, World& inWorld, double h) { self(user).pull(inWorld, h); };
         world.add(&module_);
     }
-    Rope(const Rope&) = delete;
-    Rope& operator=(const Rope&) = delete;
+    ToyRope(const ToyRope&) = delete;
+    ToyRope& operator=(const ToyRope&) = delete;
 
     /// m, by which it is too long.
     double gap(const World& world) const { return sum_ - sumIn(world); }
 
 private:
-    static Rope& self(void* user) { return *static_cast<Rope*>(user); }
-    double sumIn(const World& world) const {
-        return world.centerOfMass(ends_[0]).y + world.centerOfMass(ends_[1]).y;
-    }
+    static ToyRope& self(void* user) { return *static_cast<ToyRope*>(user); }
+    double sumIn(const World& world) const { return world.centerOfMass(ends_[0]).y + world.centerOfMass(ends_[1]).y; }
     void pull(World& world, double h) const {
         constexpr double kClosing = 0.2;  // of the gap, in a substep
         double speed = 0, perImpulse = 0;
@@ -68,7 +66,7 @@ BodyId weight(World& world, float mass, double x) {
 TEST(ToyJoint, ARopeFromOutsideFallsAsAtwoodsMachineDoes) {
     World world;
     const BodyId a = weight(world, 1, 0), b = weight(world, 3, 2);
-    const Rope rope(world, a, b);
+    const ToyRope rope(world, a, b);
     run(world, 1);
     const double h = kDt / world.settings().substeps, g = asDouble(kGravity), acceleration = g * (3 - 1) / (3 + 1);
     EXPECT_NEAR(rope.gap(world), 0, 5 * h * h * g);
@@ -81,7 +79,7 @@ TEST(ToyJoint, ARopeFromOutsideFallsAsAtwoodsMachineDoes) {
 TEST(ToyJoint, ARopeFromOutsideDoesNotPush) {
     World world;
     const BodyId a = weight(world, 1, 0), b = weight(world, 1, 2);
-    const Rope rope(world, a, b);
+    const ToyRope rope(world, a, b);
     world.setVelocity(a, {0, 2, 0}, {});
     world.step(kDt);
     EXPECT_NEAR(asDouble(world.linearVelocity(a).y), 2 - asDouble(kGravity) * kDt, 1e-5);
@@ -92,7 +90,7 @@ TEST(ToyJoint, ARopeFromOutsideDoesNotPush) {
 TEST(ToyJoint, AWorldWithARopeGoesOnAsItWasSaved) {
     World world;
     const BodyId a = weight(world, 1, 0), b = weight(world, 3, 2);
-    const Rope rope(world, a, b);
+    const ToyRope rope(world, a, b);
     run(world, 0.25);
     std::vector<std::byte> state(world.saveSize());
     world.save(state);

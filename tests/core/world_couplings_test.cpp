@@ -12,7 +12,6 @@
 namespace ragtop::test {
 namespace {
 
-const Quat kAboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 const Quat kAlongY = rotationBetween({1, 0, 0}, {0, 1, 0});
 
 /// A wheel of a given moment about z.

@@ -7,9 +7,9 @@ namespace {
 
 using namespace test;
 
-using Pair = std::pair<BodyId, BodyId>;
+using BodyPair = std::pair<BodyId, BodyId>;
 
-Pair pairOf(const ContactEvent& event) { return std::minmax(event.bodyA, event.bodyB); }
+BodyPair pairOf(const ContactEvent& event) { return std::minmax(event.bodyA, event.bodyB); }
 
 TEST(WorldEvents, ATouchBeginsAndEndsOnce) {
     World world(withoutGravity());
@@ -20,7 +20,7 @@ TEST(WorldEvents, ATouchBeginsAndEndsOnce) {
     int begins = 0, ends = 0;
     run(world, 2, kDt, [&] {
         for (const ContactEvent& event : world.contactBegins()) {
-            EXPECT_EQ(pairOf(event), Pair(std::minmax(wall, ball)));
+            EXPECT_EQ(pairOf(event), BodyPair(std::minmax(wall, ball)));
             EXPECT_EQ(world.bodyOf(event.shapeA), event.bodyA);
             ++begins;
         }
@@ -66,8 +66,8 @@ TEST(WorldEvents, BeginsAndEndsAlternateInAPile) {
         EXPECT_TRUE(!state || (world.isValid(pair.first) && world.isValid(pair.second)));
 }
 
-/// What has begun and ended in each step of a pile that is shot at, comes to rest, sleeps and is lifted. Far off is a shape
-/// that may report its motion.
+/// What has begun and ended in each step of a pile that is shot at, comes to rest, sleeps and is lifted. Far off is a
+/// shape that may report its motion.
 std::vector<ContactEvent> eventsOfAPile(bool reports) {
     WorldSettings settings;
     settings.sleeping = true;
@@ -98,8 +98,8 @@ std::vector<ContactEvent> eventsOfAPile(bool reports) {
     return events;
 }
 
-// Whether all contacts are asked, as where motion is reported, or those alone of which the solver tells other things than
-// before.
+// Whether all contacts are asked, as where motion is reported, or those alone of which the solver tells other things
+// than before.
 TEST(WorldEvents, AreTheSameWhereAShapeReportsItsMotion) {
     const std::vector<ContactEvent> alone = eventsOfAPile(false), beside = eventsOfAPile(true);
     ASSERT_EQ(alone.size(), beside.size());
@@ -120,13 +120,13 @@ TEST(WorldEvents, ASensorReportsAndFeelsNothing) {
     int begins = 0, ends = 0;
     run(world, 1.2, kDt, [&] {
         for (const ContactEvent& event : world.sensorBegins()) {
-            EXPECT_EQ(pairOf(event), Pair(std::minmax(sensor, ball)));
+            EXPECT_EQ(pairOf(event), BodyPair(std::minmax(sensor, ball)));
             // Overlap is that of the end of the step: it falls at 6.7 m/s, up to 0.12 m in the step that it begins in.
             EXPECT_NEAR(height(world, ball), 0.7 - 0.06, 0.06);
             ++begins;
         }
         for (const ContactEvent& event : world.sensorEnds()) {
-            EXPECT_EQ(pairOf(event), Pair(std::minmax(sensor, ball)));
+            EXPECT_EQ(pairOf(event), BodyPair(std::minmax(sensor, ball)));
             EXPECT_NEAR(height(world, ball), -0.7 - 0.075, 0.075);  // at 8.5 m/s
             ++ends;
         }

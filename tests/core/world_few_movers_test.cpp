@@ -8,9 +8,9 @@
 namespace ragtop {
 namespace {
 
-/// A lattice of balls at rest without gravity, a few of which are thrown at their next one, or at each other: few enough for
-/// partners to be sought one by one.
-struct Lattice {
+/// A lattice of balls at rest without gravity, a few of which are thrown at their next one, or at each other: few
+/// enough for partners to be sought one by one.
+struct FewMovers {
     static constexpr int kSide = 17, kThrown = 50;
     static constexpr float kSpeed = 2;  // m/s, over a gap of 2 m
     World world;
@@ -26,12 +26,13 @@ struct Lattice {
     static bool isThrown(int i) { return i % kThrown == 0 && i % kSide + 1 < kSide; }
     static bool both(int i) { return i % (2 * kThrown) == 0; }
 
-    explicit Lattice(int workers) : world(settings(), {.tasks = threadTasks(workers)}) {
+    explicit FewMovers(int workers) : world(settings(), {.tasks = threadTasks(workers)}) {
         for (int i = 0; i < kSide * kSide * kSide; ++i) {
             const DVec3 at{3.0 * (i % kSide), 3.0 * (i / kSide % kSide), 3.0 * (i / (kSide * kSide))};
             const bool comes = i > 0 && isThrown(i - 1) && both(i - 1);
             const Vec3 velocity{isThrown(i) ? kSpeed : comes ? -kSpeed : 0.0f, 0, 0};
-            balls.push_back(world.create(DynamicBody{.shape = Sphere{0.5f}, .position = at, .linearVelocity = velocity}));
+            balls.push_back(
+                world.create(DynamicBody{.shape = Sphere{0.5f}, .position = at, .linearVelocity = velocity}));
         }
     }
     void play(int steps) {
@@ -42,22 +43,22 @@ struct Lattice {
 
 /// Equal balls that do not bounce go on together with half the speed, and stop where they came from both sides.
 TEST(FewMovers, MeetWhatIsInTheirWay) {
-    Lattice lattice(1);
+    FewMovers lattice(1);
     lattice.play(80);
     int met = 0;
     for (std::size_t i = 0; i < lattice.balls.size(); ++i) {
         const int ball = static_cast<int>(i);
-        if (!Lattice::isThrown(ball)) continue;
-        const float expected = Lattice::both(ball) ? 0 : 0.5f * Lattice::kSpeed;
-        EXPECT_NEAR(lattice.speedOf(ball), expected, 1e-4f * Lattice::kSpeed) << ball;
-        EXPECT_NEAR(lattice.speedOf(ball + 1), expected, 1e-4f * Lattice::kSpeed) << ball;
+        if (!FewMovers::isThrown(ball)) continue;
+        const float expected = FewMovers::both(ball) ? 0 : 0.5f * FewMovers::kSpeed;
+        EXPECT_NEAR(lattice.speedOf(ball), expected, 1e-4f * FewMovers::kSpeed) << ball;
+        EXPECT_NEAR(lattice.speedOf(ball + 1), expected, 1e-4f * FewMovers::kSpeed) << ball;
         ++met;
     }
     EXPECT_GT(met, 80);
 }
 
 TEST(FewMovers, ThreadsGiveTheSameBits) {
-    Lattice one(1), three(3);
+    FewMovers one(1), three(3);
     one.play(80);
     three.play(80);
     EXPECT_EQ(one.world.hash(), three.world.hash());

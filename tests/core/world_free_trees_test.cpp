@@ -6,11 +6,11 @@ namespace {
 using namespace test;
 
 /// `count` boxes of 0.4 m in a row along x, 0.5 m apart, joined half way; the joints stand `gap` open along y.
-struct Row {
+struct TreeRow {
     std::vector<BodyId> bodies;
     std::vector<JointId> joints;
 
-    Row(World& world, int count, double height, float gap = 0, float density = 1000) {
+    TreeRow(World& world, int count, double height, float gap = 0, float density = 1000) {
         for (int i = 0; i < count; ++i) {
             BodyDef def = bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {0.5 * i, height + static_cast<double>(gap) * i, 0});
             def.shapes[0].density = density;
@@ -36,7 +36,7 @@ struct Row {
 // the centre of mass stays where it is but for rounding.
 TEST(WorldFreeTrees, OpenJointsCloseWithoutSpeed) {
     World world(WorldSettings{.gravity = {0, 0, 0}, .sleeping = false});
-    const Row row(world, 2, 5, 0.02f);
+    const TreeRow row(world, 2, 5, 0.02f);
     const double before = world.centerOfMass(row.bodies[0]).y + world.centerOfMass(row.bodies[1]).y;
     world.step(kDt);
     EXPECT_LT(row.gap(world), 1e-5f);
@@ -54,7 +54,7 @@ TEST(WorldFreeTrees, ALoadDoesNotOpenThem) {
     world.create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}});
     for (const double x : {0.0, 2.0})
         world.create(StaticBody{.shape = Box{{0.25f, 0.5f, 0.5f}}, .position = {x, 0.5, 0}});
-    const Row row(world, 5, 1.2);
+    const TreeRow row(world, 5, 1.2);
     BodyDef block = bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {1.0, 1.6, 0});
     block.shapes[0].density = 30000;
     world.create(block);
@@ -66,7 +66,7 @@ TEST(WorldFreeTrees, ALoadDoesNotOpenThem) {
 // the same to the bit whatever happens to joints, bodies and sleep in between.
 TEST(WorldFreeTrees, AreKnownAfterWhateverHappensToThem) {
     World world, restored;
-    std::vector<Row> rows;
+    std::vector<TreeRow> rows;
     for (World* each : {&world, &restored}) {
         each->create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}});
         for (const double height : {0.5, 1.2, 2.0}) rows.emplace_back(*each, 6, height);

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "ragtop/world.h"
+#include "world_support.h"
 
 // Joints that are made beyond their hard limits.
 namespace ragtop::test {
 namespace {
 
-constexpr double kStep = 1.0 / 60;
 constexpr float kMoment = 0.05f;
 
 struct Pair {
@@ -61,7 +61,7 @@ TEST(WorldInitialViolations, ComesBackAtABoundedRate) {
     double before = pair.beyond();
     EXPECT_NEAR(before, 0.5, 1e-5);
     for (int i = 0; i < 70; ++i) {
-        pair.world.step(kStep);
+        pair.world.step(kDt);
         EXPECT_NEAR(before - pair.beyond(), std::min(0.01, before), 2e-4) << i;
         before = pair.beyond();
     }
@@ -76,7 +76,7 @@ TEST(WorldInitialViolations, GainsNoEnergy) {
         const double start = pair.energy();
         const Vec3 momentum = pair.momentum();
         for (int i = 0; i < 180; ++i) {
-            pair.world.step(kStep);
+            pair.world.step(kDt);
             EXPECT_LT(pair.energy(), 1.001 * start) << spin << ", step " << i;
             EXPECT_LT(length(pair.momentum() - momentum), 1e-5f * spin) << i;
             EXPECT_LT(pair.world.state(pair.joint).gap, 1e-3f) << i;
@@ -87,11 +87,11 @@ TEST(WorldInitialViolations, GainsNoEnergy) {
 
 TEST(WorldInitialViolations, GoesOnFromASavedState) {
     Pair pair(3, 0.8f);
-    for (int i = 0; i < 20; ++i) pair.world.step(kStep);
+    for (int i = 0; i < 20; ++i) pair.world.step(kDt);
     std::vector<std::byte> saved(pair.world.saveSize());
     pair.world.save(saved);
     const auto later = [&] {
-        for (int i = 0; i < 80; ++i) pair.world.step(kStep);
+        for (int i = 0; i < 80; ++i) pair.world.step(kDt);
         return pair.world.hash();
     };
     const std::uint64_t once = later();
@@ -101,10 +101,10 @@ TEST(WorldInitialViolations, GoesOnFromASavedState) {
 
 TEST(WorldInitialViolations, LetsGoOfWhatIsGone) {
     Pair pair(0, 0.5f);
-    pair.world.step(kStep);
+    pair.world.step(kDt);
     pair.world.destroy(pair.joint);
     const Pose before = pair.world.pose(pair.b);
-    for (int i = 0; i < 10; ++i) pair.world.step(kStep);
+    for (int i = 0; i < 10; ++i) pair.world.step(kDt);
     EXPECT_LT(length(relative(pair.world.pose(pair.b).position, before.position)), 1e-6f);
 }
 

@@ -12,8 +12,6 @@
 namespace ragtop::test {
 namespace {
 
-const Quat kAboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
-
 WorldSettings settingsFor(SolverChoice solver, bool gravity) {
     WorldSettings settings;
     settings.solver = solver;

@@ -24,8 +24,6 @@ private:
 
 Frame frameAt(const Vec3& position, const Quat& rotation = {}) { return {position, rotation}; }
 
-/// The joint frame's x axis along z: a hinge that swings in the x–y plane.
-const Quat kAboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 /// … and along −y, so that a slider's travel grows downwards.
 const Quat kDown = rotationBetween({1, 0, 0}, {0, -1, 0});
 

@@ -15,8 +15,8 @@ WorldSettings floating() {
 }
 
 /// Two balls of 0.5 m, three times as heavy the second.
-struct Pair {
-    explicit Pair(double overlap) : world(floating()), distance(1 - overlap) {
+struct OverlappingPair {
+    explicit OverlappingPair(double overlap) : world(floating()), distance(1 - overlap) {
         a = world.create(bodyDef(Sphere{0.5f}, {0, 0, 0}));
         BodyDef heavy = bodyDef(Sphere{0.5f}, {distance, 0, 0});
         heavy.shapes[0].density *= 3;
@@ -34,7 +34,7 @@ struct Pair {
 // pass takes it back: per step the balls go 0.03 · 0.5 m apart while they are deeper than where that is what softness
 // asks for.
 TEST(WorldOverlap, PushingGoesAsFarPerStepAsItMay) {
-    Pair pair(0.07);
+    OverlappingPair pair(0.07);
     pair.world.step(kDt);
     EXPECT_NEAR(pair.apart() - pair.distance, asDouble(WorldSettings{}.pushOut) * 0.5, 1e-5);
 }
@@ -43,7 +43,7 @@ TEST(WorldOverlap, PushingGoesAsFarPerStepAsItMay) {
 // common centre move. An overlap of 0.8 m is gone within a second.
 TEST(WorldOverlap, BallsComeApartWithoutSpeed) {
     for (const double overlap : {0.05, 0.2, 0.8}) {
-        Pair pair(overlap);
+        OverlappingPair pair(overlap);
         const double middle = pair.middle();
         run(pair.world, 1, kDt, [&] {
             EXPECT_LT(length(pair.world.linearVelocity(pair.a)), 1e-5f);

@@ -5,7 +5,7 @@ namespace {
 
 using namespace test;
 
-constexpr float kRadius = 0.5f;
+constexpr float kBallRadius = 0.5f;
 
 // What is round about its centre does not come nearer to anything as it turns.
 TEST(WorldRoundBodies, ABallThatSpinsInPlaceMeetsNothing) {
@@ -13,8 +13,8 @@ TEST(WorldRoundBodies, ABallThatSpinsInPlaceMeetsNothing) {
     for (const bool isBall : {true, false}) {
         World world(withoutGravity());
         addFloor(world);
-        const Shape shape = isBall ? Shape(Sphere{kRadius}) : Shape(Box{{kRadius, kRadius, kRadius}});
-        BodyDef def = bodyDef(shape, {0, asDouble(kRadius) + 0.03, 0});
+        const Shape shape = isBall ? Shape(Sphere{kBallRadius}) : Shape(Box{{kBallRadius, kBallRadius, kBallRadius}});
+        BodyDef def = bodyDef(shape, {0, asDouble(kBallRadius) + 0.03, 0});
         def.angularVelocity = {0, 0, kSpin};
         world.create(def);
         world.step(kDt);

@@ -18,6 +18,8 @@ namespace ragtop::test {
 inline constexpr double kDt = 1.0 / 60;
 inline constexpr float kGravity = 9.81f;
 inline constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
+/// Frames whose axis is z.
+inline const Quat kAboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 
 /// For messages of tests that run with several solvers.
 inline std::string_view nameOf(SolverChoice choice) { return enumNames(choice)[static_cast<std::size_t>(choice)]; }

@@ -15,8 +15,6 @@ namespace {
 
 using namespace test;
 
-constexpr double kStep = 1.0 / 60;
-
 BodyId addBody(World& world, BodyType type, const DVec3& position, const Vec3& half = {0.5f, 0.5f, 0.5f}) {
     BodyDef def;
     def.type = type;
@@ -27,7 +25,7 @@ BodyId addBody(World& world, BodyType type, const DVec3& position, const Vec3& h
 
 void steps(World& world, int count) {
     for (int i = 0; i < count; ++i) {
-        world.step(kStep);
+        world.step(kDt);
         ASSERT_TRUE(isSound(world)) << "step " << i;
     }
 }
@@ -37,7 +35,7 @@ TEST(BodyTypes, ThereAndBackKeepsPlaceVelocityAndMass) {
     World world({.gravity = {}});
     const BodyId body = addBody(world, BodyType::dynamic, {1, 2, 3}, {1, 0.5f, 0.25f});
     world.setVelocity(body, {1, 2, 3}, {0.3f, -0.2f, 0.5f});
-    world.step(kStep);
+    world.step(kDt);
     const Pose pose = world.pose(body);
     const Vec3 v = world.linearVelocity(body), w = world.angularVelocity(body);
     const float mass = world.mass(body).mass;
@@ -115,16 +113,16 @@ TEST(BodyTypes, RestoredAfterANewMassGoOnAlike) {
     scenes::addFloor(world);
     const BodyId ball = world.create(DynamicBody{.shape = Sphere{0.5f}, .position = {0, 0.5, 0}});
     world.setVelocity(ball, {1, 0, 0}, {0, 0, -2});
-    for (int i = 0; i < 20; ++i) world.step(kStep);
+    for (int i = 0; i < 20; ++i) world.step(kDt);
     MassProperties mass = world.mass(ball);
     mass.center.x += 0.1f;
     world.setMass(ball, mass);
     std::vector<std::byte> saved(world.saveSize());
     world.save(saved);
-    for (int i = 0; i < 20; ++i) world.step(kStep);
+    for (int i = 0; i < 20; ++i) world.step(kDt);
     const std::uint64_t hash = world.hash();
     world.restore(saved);
-    for (int i = 0; i < 20; ++i) world.step(kStep);
+    for (int i = 0; i < 20; ++i) world.step(kDt);
     EXPECT_EQ(world.hash(), hash);
 }
 
@@ -171,7 +169,7 @@ TEST(BodyTypes, WhatLiesOnADisabledBodyFalls) {
     World world;
     const BodyId table = addBody(world, BodyType::fixed, {0, 0, 0}, {2, 0.1f, 2});
     const BodyId box = addBody(world, BodyType::dynamic, {0, 0.6, 0});
-    world.step(kStep);
+    world.step(kDt);
     world.sleep(box);
     world.setEnabled(table, false);
     EXPECT_FALSE(world.isEnabled(table));
@@ -320,7 +318,7 @@ TEST(BodyTypes, WrongCallsChangeNothing) {
         }
     };
     world.add(&module);
-    world.step(kStep);
+    world.step(kDt);
     EXPECT_EQ(caller.refused, 2);
     EXPECT_EQ(world.type(caller.body), BodyType::dynamic);
     world.remove(&module);
@@ -386,12 +384,12 @@ TEST(BodyTypes, AnySequenceKeepsAllFacts) {
             changer.act();
             ASSERT_TRUE(isSound(world)) << i;
             if (i % 7 == 0) changer.moveSome();
-            if (i % 3 == 0) world.step(kStep);
+            if (i % 3 == 0) world.step(kDt);
             ASSERT_TRUE(isSound(world)) << "step after " << i;
             ASSERT_LT(changer.fastest(), 100.0f) << i;
         }
         changer.freeAll();
-        for (int i = 0; i < 600; ++i) world.step(kStep);
+        for (int i = 0; i < 600; ++i) world.step(kDt);
         ASSERT_TRUE(isSound(world));
         EXPECT_LT(changer.fastest(), 1.0f);
     }
@@ -403,12 +401,12 @@ TEST(BodyTypes, RestoredWorldsGoOnAlike) {
     for (const int workers : {1, 2}) {
         World world({}, {.tasks = threadTasks(workers)});
         Changer changer(world);
-        for (int i = 0; i < 60; ++i) changer.act(), world.step(kStep);
+        for (int i = 0; i < 60; ++i) changer.act(), world.step(kDt);
         std::vector<std::byte> saved(world.saveSize());
         world.save(saved);
         const auto goOn = [&] {
             Changer next = changer;
-            for (int i = 0; i < 60; ++i) next.act(), world.step(kStep);
+            for (int i = 0; i < 60; ++i) next.act(), world.step(kDt);
             return world.hash();
         };
         const std::uint64_t first = goOn();

@@ -152,7 +152,7 @@ TEST(RagdollTrial, ItsFiguresAreTheSameTwice) {
 }
 
 /// How the program ends, and what it prints.
-int ragtop(const std::string& arguments, std::string& text) {
+int tryRagdoll(const std::string& arguments, std::string& text) {
     std::FILE* pipe = popen(("'" RAGTOP_PROGRAM "' ragdoll " + arguments + " 2>&1").c_str(), "r");
     char buffer[4096];
     text.clear();
@@ -164,7 +164,8 @@ TEST(RagdollProgram, TellsWhatACharacterWasTakenFor) {
     const std::string json = temporaryPath("body.json").string();
     std::string text;
     ASSERT_EQ(
-        ragtop("'" RAGTOP_SOURCE_DIR "/tests/data/rigs/human_one_armed.gltf' --test none --json '" + json + "'", text),
+        tryRagdoll("'" RAGTOP_SOURCE_DIR "/tests/data/rigs/human_one_armed.gltf' --test none --json '" + json + "'",
+                   text),
         0)
         << text;
     const auto body = nlohmann::json::parse(std::ifstream(json)).at("body");
@@ -187,7 +188,7 @@ TEST(RagdollProgram, TellsEachFigureAndFailsWithThem) {
                       json = temporaryPath("figures.json").string();
     saveRagdoll(std::get<RagdollDef>(single().def), good);
     std::string text;
-    EXPECT_EQ(ragtop("'" + good + "' --test drop --seeds 2 --json '" + json + "'", text), 0) << text;
+    EXPECT_EQ(tryRagdoll("'" + good + "' --test drop --seeds 2 --json '" + json + "'", text), 0) << text;
     EXPECT_NE(text.find("joint_gap_max_m"), std::string::npos);
     std::ifstream file(json);
     std::stringstream figures;
@@ -200,21 +201,21 @@ TEST(RagdollProgram, TellsEachFigureAndFailsWithThem) {
     ball.parts[0].shape = Sphere{0.1f};
     const std::string bad = temporaryPath("ball.ragdoll.json").string();
     saveRagdoll(ball, bad);
-    EXPECT_EQ(ragtop("'" + bad + "' --test push --seeds 1 --push 4", text), 1) << text;
+    EXPECT_EQ(tryRagdoll("'" + bad + "' --test push --seeds 1 --push 4", text), 1) << text;
     EXPECT_NE(text.find("FAILS"), std::string::npos);
 }
 
 TEST(RagdollProgram, SaysWhatIsWrongInOneLine) {
     std::string text;
-    EXPECT_EQ(ragtop("nothing.glb", text), 2);
+    EXPECT_EQ(tryRagdoll("nothing.glb", text), 2);
     EXPECT_EQ(text, "nothing.glb: no such file\n");
-    EXPECT_EQ(ragtop("nothing.glb --test fly", text), 2);
+    EXPECT_EQ(tryRagdoll("nothing.glb --test fly", text), 2);
     EXPECT_EQ(text, "ragtop: --test: fly not in {drop,push,hang,shake,flight,balance,brace,getup,track,lod,none}\n");
-    EXPECT_EQ(ragtop("nothing.glb --hz 0", text), 2);
+    EXPECT_EQ(tryRagdoll("nothing.glb --hz 0", text), 2);
     const std::string hollow = temporaryPath("hollow.urdf").string();
     std::ofstream(hollow) << "<robot name='hollow'><link name='only'><inertial><mass value='1'/>"
                              "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>";
-    EXPECT_EQ(ragtop("'" + hollow + "' --test drop", text), 2);
+    EXPECT_EQ(tryRagdoll("'" + hollow + "' --test drop", text), 2);
     EXPECT_NE(text.find("has no shapes, must have some to fall on the ground with\n"), std::string::npos) << text;
 }
 

@@ -16,7 +16,7 @@
 namespace {
 
 /// What the program prints; it must end well.
-std::string ragtop(const std::string& arguments) {
+std::string printedBy(const std::string& arguments) {
     std::FILE* pipe = popen(("'" RAGTOP_PROGRAM "' " + arguments + " 2>/dev/null").c_str(), "r");
     std::string text;
     std::array<char, 4096> buffer{};
@@ -66,7 +66,7 @@ TEST(Run, SummaryHasExactlyItsKeys) {
                                         "energy_j",
                                         "warnings"};
     const std::string out = folder("run_summary");
-    const std::string printed = ragtop("run tower --steps 20 --out '" + out + "'");
+    const std::string printed = printedBy("run tower --steps 20 --out '" + out + "'");
     EXPECT_EQ(keysOf(printed), keys);
     for (const char* file : {"recording.glb", "telemetry.csv", "summary.json"}) {
         EXPECT_GT(std::filesystem::file_size(std::filesystem::path(out) / file), 100u) << file;
@@ -89,13 +89,13 @@ TEST(Run, WarnsOfWhatBeginsInTheGround) {
     for (std::size_t at = 0; (at = quoted.find('"', at)) != std::string::npos; at += 2) quoted.insert(at, "\\");
     const auto tells = testing::HasSubstr("\"warnings\": [\n    \"" + quoted + "\"\n  ]");
     EXPECT_THAT(contentOf(out + "/summary.json"), tells);
-    EXPECT_THAT(ragtop("run '" + scene.string() + "' --steps 2"), tells);
+    EXPECT_THAT(printedBy("run '" + scene.string() + "' --steps 2"), tells);
     std::filesystem::remove_all(out);
 }
 
 TEST(Run, PosesAreWrittenEachSecondAndAtTheEnd) {
     const std::string out = folder("run_poses");
-    ragtop("run tower --steps 70 --poses '" + out + "/poses.csv'");
+    printedBy("run tower --steps 70 --poses '" + out + "/poses.csv'");
     std::ifstream file(out + "/poses.csv");
     std::string line;
     std::getline(file, line);
@@ -123,11 +123,11 @@ protected:
 TEST_P(SceneRun, EndsAlikeWithAnyWidthAndThreadsAndWithAStopOnTheWay) {
     const std::string out = folder("run_" + GetParam()), run = "run " + GetParam() + steps(kSteps);
     const std::string half = std::to_string(kSteps / 2);
-    const std::string reference = hashOf(ragtop(run + " --lanes 4"));
+    const std::string reference = hashOf(printedBy(run + " --lanes 4"));
     EXPECT_NE(reference, "none");
-    EXPECT_EQ(hashOf(ragtop(run + " --lanes 16")), reference);
-    EXPECT_EQ(hashOf(ragtop(run + " --lanes 8 --threads 2 --save-at " + half + " --out '" + out + "'")), reference);
-    EXPECT_EQ(hashOf(ragtop(run + " --lanes 8 --restore '" + out + "/state_" + half + ".bin'")), reference);
+    EXPECT_EQ(hashOf(printedBy(run + " --lanes 16")), reference);
+    EXPECT_EQ(hashOf(printedBy(run + " --lanes 8 --threads 2 --save-at " + half + " --out '" + out + "'")), reference);
+    EXPECT_EQ(hashOf(printedBy(run + " --lanes 8 --restore '" + out + "/state_" + half + ".bin'")), reference);
     std::filesystem::remove_all(out);
 }
 
@@ -137,17 +137,17 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun,
                          [](const testing::TestParamInfo<std::string>& scene) { return scene.param; });
 
 TEST(Run, SettingsChangeWhatHappens) {
-    const std::string rest = hashOf(ragtop("run tower --steps 30 --set gravity=[0,0,0]"));
-    EXPECT_NE(rest, hashOf(ragtop("run tower --steps 30")));
+    const std::string rest = hashOf(printedBy("run tower --steps 30 --set gravity=[0,0,0]"));
+    EXPECT_NE(rest, hashOf(printedBy("run tower --steps 30")));
 }
 
 TEST(Version, IsPrinted) {
-    EXPECT_THAT(ragtop("--version"), testing::MatchesRegex("ragtop [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+    EXPECT_THAT(printedBy("--version"), testing::MatchesRegex("ragtop [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
 TEST(Inspect, TellsWhatAVehicleAndASceneHave) {
-    EXPECT_NE(ragtop("inspect tower").find("13 bodies"), std::string::npos);
-    EXPECT_NE(ragtop("inspect '" RAGTOP_SOURCE_DIR "/assets/data/vehicles/hatchback.car.json'").find("4 wheels"),
+    EXPECT_NE(printedBy("inspect tower").find("13 bodies"), std::string::npos);
+    EXPECT_NE(printedBy("inspect '" RAGTOP_SOURCE_DIR "/assets/data/vehicles/hatchback.car.json'").find("4 wheels"),
               std::string::npos);
 }
 

@@ -15,7 +15,7 @@
 namespace ragtop {
 namespace {
 
-constexpr float kLoad = 4000;  // N
+constexpr float kSlipLoad = 4000;  // N
 constexpr double kDegree = 3.14159265358979 / 180;
 
 MagicFormulaDef magicOf(std::initializer_list<std::pair<std::string_view, float>> numbers) {
@@ -42,7 +42,7 @@ MagicFormulaDef commonRoad() {
                     {"RBY3", -2.7856e-2f}, {"RCY1", 1.0719f},  {"REY1", -0.27572f},  {"RHY1", 5.7448e-6f}});
 }
 
-SlipLaw lawOf(const MagicFormulaDef& def, float inclination = 0, float load = kLoad) {
+SlipLaw lawOf(const MagicFormulaDef& def, float inclination = 0, float load = kSlipLoad) {
     return magicFactors(def, {1, 1, load, inclination});
 }
 
@@ -55,11 +55,12 @@ TEST(MagicFormula, MeetsThePublishedFormulaAlongTheWheel) {
     const SlipLaw law = lawOf(commonRoad());
     for (const auto& [kappa, force] : {std::pair{0.01, 986.3}, std::pair{0.05, 3514.0}, std::pair{0.1, 4539.9},
                                        std::pair{0.2, 4627.3}, std::pair{0.5, 3926.6}, std::pair{1.0, 3368.1}}) {
-        EXPECT_NEAR(static_cast<double>(kLoad * forceOverLoad(law, slipOf(kappa, 0)).x), force, 1e-3 * force) << kappa;
+        EXPECT_NEAR(static_cast<double>(kSlipLoad * forceOverLoad(law, slipOf(kappa, 0)).x), force, 1e-3 * force)
+            << kappa;
     }
     double peak = 0, at = 0;
     for (double kappa = 0; kappa < 1; kappa += 1e-3) {
-        const auto force = static_cast<double>(kLoad * forceOverLoad(law, slipOf(kappa, 0)).x);
+        const auto force = static_cast<double>(kSlipLoad * forceOverLoad(law, slipOf(kappa, 0)).x);
         if (force > peak) at = kappa;
         peak = std::max(peak, force);
     }
@@ -73,7 +74,8 @@ TEST(MagicFormula, MeetsThePublishedFormulaAcrossTheWheel) {
                                          std::pair{6.0, 4116.6}, std::pair{8.0, 4193.3}, std::pair{15.0, 4089.4}}) {
         // A wheel that drifts to the left is pushed to the right.
         for (const double side : {1.0, -1.0}) {
-            const auto found = static_cast<double>(kLoad * forceOverLoad(law, slipOf(0, side * degrees * kDegree)).y);
+            const auto found =
+                static_cast<double>(kSlipLoad * forceOverLoad(law, slipOf(0, side * degrees * kDegree)).y);
             EXPECT_NEAR(found, -side * force, 1e-3 * force) << degrees;
         }
     }
@@ -87,10 +89,10 @@ TEST(MagicFormula, HoldsForLockedWheelsAndAtRightAngles) {
     const SlipLaw law = lawOf(commonRoad());
     const double Dx = 1.1739 * 4000, Bx = 22.303 * 4000 / (1.6411 * Dx);
     const double locked = magic(Bx, 1.6411, Dx, 0.46403, -1 + 1.2297e-3) - 8.8098e-6 * 4000;
-    EXPECT_NEAR(static_cast<double>(kLoad * forceOverLoad(law, {-1, 0}).x), locked, 1e-3 * std::abs(locked));
+    EXPECT_NEAR(static_cast<double>(kSlipLoad * forceOverLoad(law, {-1, 0}).x), locked, 1e-3 * std::abs(locked));
     const double Dy = 1.0489 * 4000, By = -21.92 * 4000 / (1.3507 * Dy);
     const double across = magic(By, 1.3507, Dy, -7.4722e-3, 90 * kDegree);
-    EXPECT_NEAR(static_cast<double>(kLoad * forceOverLoad(law, {0, -1}).y), across, 1e-3 * std::abs(across));
+    EXPECT_NEAR(static_cast<double>(kSlipLoad * forceOverLoad(law, {0, -1}).y), across, 1e-3 * std::abs(across));
 }
 
 /// Camber to the right pushes to the right: K_γ γ at no slip angle, in version 6.1.
@@ -170,22 +172,22 @@ TireDef magicTire() {
 }
 
 /// A tire at a given motion of its wheel, over so many metres or seconds.
-struct Rig {
+struct SlipRig {
     TireSpec spec;
     Vec2 u, force;
 
-    explicit Rig(const TireDef& def) : spec(makeTireSpec(def, kLoad, kGravity)) {}
+    explicit SlipRig(const TireDef& def) : spec(makeTireSpec(def, kSlipLoad, kGravity)) {}
     void run(const Vec2& travel, float tread, float h, int steps) {
         const float transport = std::sqrt(travel.x * travel.x + travel.y * travel.y);
         const Vec2 slip{travel.x - tread, travel.y};
         for (int i = 0; i < steps; ++i) {
-            const TireLaw law = tireLaw(spec, {}, {travel, tread}, kLoad, transport);
+            const TireLaw law = tireLaw(spec, {}, {travel, tread}, kSlipLoad, transport);
             TireLine line = tireLine(law, u);
             TireVisit visit;
             for (int k = 0; k < 6; ++k) {
-                visit = solveTire(law, line, u, transport, kLoad * h, h, {}, slip);
-                line =
-                    lineAfter(law, deflectionAfter(law, line, u, visit, slip, transport, kLoad * h, h), visit.sliding);
+                visit = solveTire(law, line, u, transport, kSlipLoad * h, h, {}, slip);
+                line = lineAfter(law, deflectionAfter(law, line, u, visit, slip, transport, kSlipLoad * h, h),
+                                 visit.sliding);
             }
             force = {visit.impulse.x / h, visit.impulse.y / h};
             u = withinPatch(law, rolledDeflection(law, u, slip, transport, h));
@@ -203,16 +205,16 @@ TEST(SlipLaw, IsWhatATireComesTo) {
             for (const float speed : {5.0f, 30.0f}) {
                 for (const double angle : {0.0, 3 * kDegree, -8 * kDegree, 45 * kDegree, 90 * kDegree}) {
                     for (const double kappa : {0.0, 0.03, -0.1, -0.5, -1.0}) {
-                        Rig rig(def);
+                        SlipRig rig(def);
                         const Vec2 travel{speed * static_cast<float>(std::cos(angle)),
                                           speed * static_cast<float>(std::sin(angle))};
                         const float tread = travel.x * static_cast<float>(1 + kappa);
                         rig.run(travel, tread, 1 / hz, static_cast<int>(hz * (0.5f + 4 / speed)));
-                        const TireLaw law = tireLaw(rig.spec, {}, {}, kLoad, 0);
+                        const TireLaw law = tireLaw(rig.spec, {}, {}, kSlipLoad, 0);
                         const Vec2 expected = forceOverLoad(law.slips, slipOf(kappa, angle));
-                        EXPECT_NEAR(rig.force.x, kLoad * expected.x, 1e-3f * kLoad)
+                        EXPECT_NEAR(rig.force.x, kSlipLoad * expected.x, 1e-3f * kSlipLoad)
                             << angle << " " << kappa << " " << hz;
-                        EXPECT_NEAR(rig.force.y, kLoad * expected.y, 1e-3f * kLoad)
+                        EXPECT_NEAR(rig.force.y, kSlipLoad * expected.y, 1e-3f * kSlipLoad)
                             << angle << " " << kappa << " " << hz;
                     }
                 }

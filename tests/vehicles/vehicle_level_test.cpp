@@ -42,10 +42,10 @@ std::vector<VehicleDef> cars() {
     return all;
 }
 
-struct Drive {
+struct LevelDrive {
     Road road;
     Vehicle car;
-    Drive(const VehicleDef& def, VehicleLevel level, float speed, float slope = 0)
+    LevelDrive(const VehicleDef& def, VehicleLevel level, float speed, float slope = 0)
         : road(slope, awake()), car(road.world, at(def, level), {.speed = speed}) {
         road.world.setPose(car.chassis(), {DVec3{}, road.tilt});
         road.world.setVelocity(car.chassis(), rotate(road.tilt, {0, 0, speed}), {});
@@ -67,7 +67,7 @@ TEST(VehicleLevels, KeepVelocityWhereTheyChange) {
             for (const VehicleLevel to : kLevels)
                 for (const float speed : {5.0f, 15.0f, 30.0f})
                     for (const float gravities : {0.0f, 0.3f}) {
-                        Drive drive(def, from, speed);
+                        LevelDrive drive(def, from, speed);
                         drive.car.input.throttle = 0.2f;
                         // Of a neutral car: v² δ/L = a.
                         const float angle = gravities * kGravity * wheelbase(def) / (speed * speed);
@@ -89,7 +89,7 @@ TEST(VehicleLevels, GoTheSameWay) {
     for (const VehicleDef& def : cars()) {
         std::vector<DVec3> ends;
         for (const VehicleLevel level : kLevels) {
-            Drive drive(def, level, 12);
+            LevelDrive drive(def, level, 12);
             drive.car.input.throttle = 0.2f;
             drive.car.input.steer = steerFor(def.steering, 0.02f * wheelbase(def), 12);
             drive.steps(180);
@@ -105,7 +105,7 @@ TEST(VehicleLevels, GoTheSameWay) {
 TEST(VehicleLevels, HoldOnASlopeWithTheirBrakes) {
     for (const VehicleDef& def : cars())
         for (const VehicleLevel level : {VehicleLevel::bicycle, VehicleLevel::rays}) {
-            Drive drive(def, level, 0, 0.3f);
+            LevelDrive drive(def, level, 0, 0.3f);
             drive.car.input.brake = 1;
             drive.steps(300);
             const DVec3 before = drive.road.world.pose(drive.car.chassis()).position;
@@ -120,7 +120,7 @@ TEST(VehicleLevels, BrakeAlike) {
     for (const VehicleDef& def : cars()) {
         std::vector<double> ways;
         for (const VehicleLevel level : kLevels) {
-            Drive drive(def, level, 15);
+            LevelDrive drive(def, level, 15);
             drive.car.input.clutch = 1;
             drive.car.input.brake = 0.4f;
             drive.steps(300);
@@ -132,7 +132,7 @@ TEST(VehicleLevels, BrakeAlike) {
 }
 
 TEST(VehicleLevels, BicycleFollowsHillsAndFallsOffEdges) {
-    Drive drive(hatchback(), VehicleLevel::bicycle, 20, 0.2f);
+    LevelDrive drive(hatchback(), VehicleLevel::bicycle, 20, 0.2f);
     drive.car.input.throttle = 0.5f;
     drive.steps(120);
     const Pose pose = drive.road.world.pose(drive.car.chassis());
@@ -142,14 +142,14 @@ TEST(VehicleLevels, BicycleFollowsHillsAndFallsOffEdges) {
 
     World world;
     world.create(StaticBody{.shape = Box{{5, 1, 20}}, .position = {0, -1, 0}});
-    Vehicle car(world, Drive::at(hatchback(), VehicleLevel::bicycle), {.speed = 30});
+    Vehicle car(world, LevelDrive::at(hatchback(), VehicleLevel::bicycle), {.speed = 30});
     for (int i = 0; i < 120; ++i) world.step(kStep);
     const double time = 2 - 20.0 / 30;
     EXPECT_NEAR(world.pose(car.chassis()).position.y, -0.5 * 9.81 * time * time, 0.7);  // from where its ray ends
 }
 
 TEST(VehicleLevels, ComeBackWithASavedWorld) {
-    Drive drive(hatchback(), VehicleLevel::full, 15);
+    LevelDrive drive(hatchback(), VehicleLevel::full, 15);
     drive.car.input.throttle = 0.5f;
     for (const VehicleLevel saved : kLevels) {
         drive.car.setLevel(saved);
@@ -173,7 +173,7 @@ TEST(VehicleLevels, ComeBackWithASavedWorld) {
 
 TEST(VehicleLevels, BicyclesFallAsleepAndWakeByThePedal) {
     Road road;
-    Vehicle car(road.world, Drive::at(hatchback(), VehicleLevel::bicycle));
+    Vehicle car(road.world, LevelDrive::at(hatchback(), VehicleLevel::bicycle));
     for (int i = 0; i < 120; ++i) road.world.step(kStep);
     EXPECT_FALSE(road.world.isAwake(car.chassis()));
     car.input.throttle = 1;

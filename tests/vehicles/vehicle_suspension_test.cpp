@@ -10,14 +10,14 @@
 namespace ragtop {
 namespace {
 
-constexpr float kLoad = 3000;
+constexpr float kStrutLoad = 3000;
 
 /// A strut on a tire that hardly yields.
 StrutSpec strutOf(const SuspensionDef& def) {
     WheelDef wheel;
     wheel.suspension = def;
     wheel.tire.radialStiffness = 1e9f;
-    return makeStrut(wheel, kLoad, kGravity);
+    return makeStrut(wheel, kStrutLoad, kGravity);
 }
 
 SuspensionDef curved() {
@@ -180,7 +180,7 @@ TEST(AntiRollBar, LiftsAWheelInTheAir) {
     const float bar = 30000, other = 0.05f, h = 1.0f / 240;
     float compression = 0;
     for (int i = 0; i < 480; ++i) compression += fallOfWheel(strut, compression, h, {bar * (compression - other), bar});
-    EXPECT_NEAR(compression, (bar * other - kLoad) / (25000 + bar), 1e-5f);
+    EXPECT_NEAR(compression, (bar * other - kStrutLoad) / (25000 + bar), 1e-5f);
 }
 
 std::string complaint(const VehicleDef& def) { return whyInvalid(def); }
