@@ -19,8 +19,12 @@ atMost() {
 
 atMost CHANGELOG.md 120
 atMost docs/step.md 250
-tests=$(grep -rhoE '^(TEST|TEST_F|TEST_P|TYPED_TEST)\([A-Za-z0-9]+, [A-Za-z0-9]+' tests --include='*.cpp' |
-    sed 's/^[A-Z_]*(//; s/, /./' | sort -u)
+tests=$(mktemp)
+sources=$(mktemp)
+words=$(mktemp)
+trap 'rm -f "$tests" "$sources" "$words"' EXIT
+grep -rhoE '^(TEST|TEST_F|TEST_P|TYPED_TEST)\([A-Za-z0-9]+, [A-Za-z0-9]+' tests --include='*.cpp' |
+    sed 's/^[A-Z_]*(//; s/, /./' | sort -u >"$tests"
 for record in docs/adr/[0-9]*.md; do
     atMost "$record" 60
     grep -q '^Status: ' "$record" || complain "$record: no status"
@@ -30,21 +34,19 @@ for record in docs/adr/[0-9]*.md; do
     tables=$(grep -cE '^ *\|[-|: ]+\|$' "$record" || true)
     [ "$tables" = 1 ] || complain "$record: $tables tables, not one"
     grep -qF "($(basename "$record"))" docs/adr/README.md || complain "docs/adr/README.md: does not name $record"
-    for name in $(sed -n '/^## Proof/,$p' "$record" | grep -oE '`[A-Z][A-Za-z0-9]+\.[A-Z][A-Za-z0-9]+`' | tr -d '`'); do
-        echo "$tests" | grep -qx "$name" || complain "$record: no test $name"
-    done
+    named=$(sed -n '/^## Proof/,$p' "$record" | grep -oE '`[A-Z][A-Za-z0-9]+\.[A-Z][A-Za-z0-9]+`' | tr -d '`' | sort -u)
+    for name in $(echo "$named" | comm -23 - "$tests"); do complain "$record: no test $name"; done
 done
 # Files that pages name in code marks, by the end of their path.
-sources=$(find core vehicles ragdolls assets demos bench tests scripts page -name node_modules -prune -o -type f -print 2>/dev/null |
-    sed 's|^|/|')
+find core vehicles ragdolls assets demos bench tests scripts page -name node_modules -prune -o -type f -print 2>/dev/null |
+    sed 's|^|/|' >"$sources"
 for page in docs/adr/*.md docs/measurements/*.md docs/step.md docs/architecture.md docs/reading.md docs/threading.md docs/joints.md; do
-    for name in $(grep -oE '`[A-Za-z0-9_./]+\.(h|cpp|inl|sh|py)`' "$page" | tr -d '`' | sort -u); do
-        echo "$sources" | grep -qF "/$name" || complain "$page: no file $name"
+    for name in $(grep -oE '`[A-Za-z0-9_./]+\.(h|cpp|inl|sh|py)`' "$page" | tr -d '`' | sort -u |
+        awk 'NR == FNR { all = all $0 "\n"; next } !index(all, "/" $0)' "$sources" -); do
+        complain "$page: no file $name"
     done
 done
 # Names in camel case that pages name in code marks occur in the sources.
-words=$(mktemp)
-trap 'rm -f "$words"' EXIT
 find core vehicles ragdolls assets demos bench tests page -name node_modules -prune -o -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.inl' -o -name '*.mjs' \
     -o -name '*.js' \) -exec cat {} + | grep -oE '[A-Za-z_][A-Za-z0-9_]*' | sort -u >"$words"
 for page in docs/adr/*.md docs/step.md docs/architecture.md docs/reading.md docs/notation.md docs/threading.md docs/state.md docs/joints.md; do
