@@ -146,7 +146,8 @@ TEST(Tire, IsASpringAtStandstill) {
     EXPECT_NEAR(rig.force.y, 0, 1e-4 * kLoad);
 }
 
-/// More load presses on the ground what is not bent: the force stays, and with any load less is held than before.
+/// More load presses on the ground what is not bent: the force stays, and comes back to where it was with the load.
+/// With any load no more is held than before.
 TEST(Tire, HoldsNoMoreWhenItsLoadSways) {
     TireDef curves = tireDef();
     curves.slipCurves.emplace();
@@ -156,17 +157,24 @@ TEST(Tire, HoldsNoMoreWhenItsLoadSways) {
         for (const float size : {1e-4f, 0.3f, 1.0f}) {
             const TireLaw law = lawUnder(kLoad);
             const Vec2 bent = beforePeak(law, withinPatch(law, {0.1f * size, -0.2f * size}));
+            const double first = static_cast<double>(kLoad) * bentEnergy(law, bent);
+            const Tread tread{bent, bent, kLoad, kLoad};
             for (const float load : {0.2f * kLoad, kLoad, 1.5f * kLoad, 10 * kLoad}) {
-                const Vec2 now = underLoad(bent, kLoad, load);
-                const double held = static_cast<double>(load) * bentEnergy(lawUnder(load), now);
-                EXPECT_LE(held, (1 + 1e-5) * static_cast<double>(kLoad) * bentEnergy(law, bent));
-                EXPECT_EQ(underLoad(bent, load, kLoad).x, load < kLoad ? load / kLoad * bent.x : bent.x);
+                const Tread now = underLoad(tread, load), back = underLoad(now, kLoad);
+                const double held = static_cast<double>(load) * bentEnergy(lawUnder(load), now.mean);
+                EXPECT_LE(held, (1 + 1e-5) * first);
                 const float pressed = std::min(load, kLoad);  // of what was bent
-                EXPECT_NEAR(load * now.y, pressed * bent.y, 1e-6f * kLoad * std::abs(bent.y));
+                EXPECT_NEAR(load * now.mean.y, pressed * bent.y, 1e-6f * kLoad * std::abs(bent.y));
+                EXPECT_NEAR(kLoad * back.mean.y, pressed * bent.y, 1e-5f * kLoad * std::abs(bent.y));
             }
+            // Bent on under more load, with that less of it: edge and core by as much.
+            Tread more = underLoad(tread, 2 * kLoad);
+            for (Vec2* part : {&more.mean, &more.core}) *part = {part->x + bent.x, part->y + bent.y};
+            EXPECT_NEAR(meanUnder(more, 1.5f * kLoad).x, (2 + 0.5f) / 1.5f * bent.x, 1e-5f * std::abs(bent.x));
+            EXPECT_NEAR(meanUnder(more, kLoad).x, 2 * bent.x, 1e-5f * std::abs(bent.x));
         }
     }
-    EXPECT_EQ(underLoad({0.01f, 0.02f}, 0, kLoad), Vec2{});
+    EXPECT_EQ(underLoad({}, kLoad).mean, Vec2{});
 }
 
 TEST(Tire, GivesNothingWithoutLoadOrGrip) {

@@ -91,6 +91,22 @@ TEST(Vehicle, BrakesBetterThanLockedByWhatSlidingLoses) {
     EXPECT_NEAR(brakingDistance(def, {}, stamp) / best, 1 / 0.8, 0.02 / 0.8);
 }
 
+/// Loads that sway as it settles do not let its treads go. The way is that of a minute.
+TEST(Vehicle, StandsAtNineTenthsOfWhatItsTiresHold) {
+    constexpr float kSlope = 0.45f;
+    for (int k = 0; k < 16; ++k) {
+        Road road(kSlope, awake());
+        Vehicle car(road.world, plainTires(0.5f), {.position = {0, 0, 0}});
+        const Quat heading = rotationAbout({0, 1, 0}, static_cast<float>(k) * kPi / 8);
+        road.world.setPose(car.chassis(), {{}, road.tilt * heading});
+        car.input = {.brake = 1, .clutch = 1};
+        run(road.world, 5, kStep);
+        const DVec3 stood = road.world.pose(car.chassis()).position;
+        run(road.world, 60, kStep);
+        EXPECT_LT(length(relative(road.world.pose(car.chassis()).position, stood)), 1e-4f) << k;
+    }
+}
+
 /// Rolling down freely: m g sin θ on the mass and the wheels' inertia, I/r² each.
 TEST(Vehicle, RollsDownhillWithTheInertiaOfItsWheels) {
     const float slope = 0.1f;

@@ -186,6 +186,24 @@ Vec2 beforePeak(const TireLaw& law, const Vec2& u) {
     return {c * u.x, c * u.y};
 }
 
+namespace {
+
+Vec2 mixed(const Vec2& a, float x, const Vec2& b, float y) { return {x * a.x + y * b.x, x * a.y + y * b.y}; }
+
+}  // namespace
+
+Vec2 meanUnder(const Tread& tread, float load) {
+    if (load >= tread.load) return load > 0 ? mixed(tread.mean, tread.load / load, {}, 0) : Vec2{};
+    if (load <= tread.coreLoad) return tread.core;
+    const float edge = 1 / (tread.load - tread.coreLoad);
+    const Vec2 last = mixed(tread.mean, edge * tread.load, tread.core, -edge * tread.coreLoad);
+    return mixed(tread.core, tread.coreLoad / load, last, 1 - tread.coreLoad / load);
+}
+
+Tread underLoad(const Tread& tread, float load) {
+    return {meanUnder(tread, load), tread.core, load, std::min(tread.coreLoad, load)};
+}
+
 Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float transport, float h) {
     const float s = 1.0f / (1 + h * transport / law.relaxation);
     return {s * (u.x - h * slip.x), s * (u.y - h * slip.y)};

@@ -99,12 +99,17 @@ Vec2 withinPatch(const TireLaw& law, const Vec2& u);
 /// force before it.
 Vec2 beforePeak(const TireLaw& law, const Vec2& u);
 
-/// Deflections when the load has become another: what more of it presses on the ground enters unbent, and what leaves
-/// takes its bend along, so that loads that sway give nothing to the car.
-inline Vec2 underLoad(const Vec2& u, float before, float now) {
-    const float share = now > before ? before / now : 1;
-    return {share * u.x, share * u.y};
-}
+/// Tread under a load, N: what of it bears `coreLoad` is bent by `core`, all of it by `mean` in the mean. What more
+/// load presses on the ground enters unbent; with less of it what came last leaves first, and takes its bend along. So
+/// loads that sway give nothing to a car, and do not let one creep that stands.
+struct Tread {
+    Vec2 mean, core;
+    float load = 0, coreLoad = 0;
+};
+/// Its mean under another load.
+Vec2 meanUnder(const Tread& tread, float load);
+/// The same tread there.
+Tread underLoad(const Tread& tread, float load);
 
 /// (1) over h by backward Euler.
 Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float transport, float h);

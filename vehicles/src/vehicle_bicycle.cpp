@@ -89,7 +89,8 @@ void VehicleSim::rollWheels(float speed, float h) {
         wheel.touching = wheel.ground.found;
         wheel.load = wheel.touching != 0 ? specs[i].staticLoad : 0;
         peakLoads[i] = wheel.load;
-        wheel.force = wheel.deflection = {};
+        wheel.bend({});
+        wheel.force = {};
         wheel.compression = wheel.hubSpeed = wheel.settleTime = wheel.inclination = wheel.aligning = 0;
         wheel.travel = {speed, 0};
         if (i > 0) wheel.squash = 0;

@@ -143,7 +143,7 @@ void VehicleSim::leaveBicycle() {
         const Vec3 velocity = world->velocityAt(chassis, hub - DVec3(specs[i].radius * wheel.ground.normal));
         const float along = length(velocity - dot(velocity, axle) * axle), across = dot(velocity, axle);
         const float speed = std::max(along, specs[i].tire.swaySpeed);
-        wheel.deflection = {0, -specs[i].tire.def.relaxationLength * across / speed};
+        wheel.bend({0, -specs[i].tire.def.relaxationLength * across / speed});
     }
 }
 

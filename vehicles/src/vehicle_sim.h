@@ -29,11 +29,13 @@ namespace ragtop {
 struct WheelState {
     GroundPlane ground;                ///< under it in the last substep
     GroundPlane ahead;                 ///< where it will be at the beginning of the next step
-    std::uint32_t touching = 0;        ///< in the last substep
+    std::uint64_t touching = 0;        ///< in the last substep
     float compression = 0;             ///< m above rest
     float load = 0;                    ///< N
     Vec2 force;                        ///< N on the car: forward, left
     Vec2 deflection;                   ///< m, of the bristles, when the last substep began, or ended if settleTime is 0
+    Vec2 core;                         ///< m, of what of them bears
+    float coreLoad = 0;                ///< N, as Tread has them
     float settleTime = 0;              ///< s for which the deflection still has to follow the slip
     float transport = 0;               ///< m/s of tread through the patch in that time
     Vec2 travel;                       ///< m/s of the contact point over the ground: forward, left
@@ -46,8 +48,14 @@ struct WheelState {
     float squash = kPut;               ///< m of its tire when the last substep began, nothing in the air
     static constexpr float kPut = -1;  ///< somebody put the car where it is, and it has not moved since
     bool isPut() const { return squash < 0; }
+    Tread tread() const { return {deflection, core, load, coreLoad}; }
+    /// All of its tread alike.
+    void bend(const Vec2& by) {
+        deflection = core = by;
+        coreLoad = load;
+    }
 };
-static_assert(sizeof(WheelState) == 2 * 112 + 72);
+static_assert(sizeof(WheelState) == 2 * 112 + 88);
 
 /// What does not change while driving.
 struct WheelSpec {

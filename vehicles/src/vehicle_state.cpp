@@ -40,8 +40,9 @@ bool areNumbers(const std::vector<float>& values) {
 }
 bool holdsNumbers(const WheelState& w) {
     return isNumber(w.compression) && isNumber(w.load) && isNumber(w.force) && isNumber(w.deflection) &&
-           isNumber(w.transport) && isNumber(w.travel) && isNumber(w.rotation) && isNumber(w.sunk) &&
-           isNumber(w.hubSpeed) && isNumber(w.below) && isNumber(w.inclination) && isNumber(w.aligning);
+           isNumber(w.core) && isNumber(w.transport) && isNumber(w.travel) && isNumber(w.rotation) &&
+           isNumber(w.sunk) && isNumber(w.hubSpeed) && isNumber(w.below) && isNumber(w.inclination) &&
+           isNumber(w.aligning);
 }
 
 }  // namespace

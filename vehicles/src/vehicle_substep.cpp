@@ -44,9 +44,25 @@ Vec2 slipOf(const WheelPatch& patch, const PointBody& body, const HubSpeeds& hub
     return {travel.x - treadSpeed, travel.y};
 }
 
+/// Of what a tread is bent by, in a substep: less is what sways and settles, of which edge and core keep a memory.
+constexpr float kBent = 0.1f;
+
 float lengthOf(const Vec2& a) { return std::sqrt(a.x * a.x + a.y * a.y); }
 
 bool isBrush(const TireDef& def) { return !def.magicFormula && !def.slipCurves; }
+
+void takeLoad(WheelState& wheel, float load) {
+    const Tread tread = underLoad(wheel.tread(), load);
+    wheel.deflection = tread.mean;
+    wheel.core = tread.core;
+    wheel.load = tread.load;
+    wheel.coreLoad = tread.coreLoad;
+}
+
+/// What slides or gives way does so all over.
+void bendTo(WheelState& wheel, const Vec2& bent) {
+    if (!(bent == wheel.deflection)) wheel.bend(bent);
+}
 
 Vec3 impulseOf(const WheelPatch& patch) {
     return patch.load * patch.normal + patch.tire.x * patch.forward + patch.tire.y * patch.side;
@@ -288,7 +304,8 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     if (!patch.touching) {
         if (!hasCarriers()) letFall(i, h);
         wheel.load = wheel.settleTime = wheel.sunk = 0;
-        wheel.force = wheel.deflection = wheel.travel = {};
+        wheel.bend({});
+        wheel.force = wheel.travel = {};
         wheel.inclination = wheel.aligning = 0;
         if (!hasCarriers()) wheel.hubSpeed = 0;
         return;
@@ -344,11 +361,15 @@ void VehicleSim::settleTire(std::size_t i, const PointBody& moved) {
         const Vec2 slip = slipOf(patch, moved, {wheel.hubSpeed, wheels[specs[i].beamPartner].hubSpeed},
                                  specs[i].radius * drivetrain.spin[i]);
         const bool turns = slip.x * wheel.deflection.x + slip.y * wheel.deflection.y > 0;
-        const Vec2 bent = turns ? beforePeak(patch.law, wheel.deflection) : wheel.deflection;
-        wheel.deflection = rolledDeflection(patch.law, bent, slip, wheel.transport, wheel.settleTime);
+        if (turns) bendTo(wheel, beforePeak(patch.law, wheel.deflection));
+        const Vec2 before = wheel.deflection;
+        for (Vec2* bent : {&wheel.deflection, &wheel.core})
+            *bent = rolledDeflection(patch.law, *bent, slip, wheel.transport, wheel.settleTime);
+        const Vec2 change{wheel.deflection.x - before.x, wheel.deflection.y - before.y};
+        if (lengthOf(change) > kBent * lengthOf(before)) wheel.bend(wheel.deflection);
         wheel.settleTime = 0;
     }
-    wheel.deflection = withinPatch(patch.law, wheel.deflection);
+    bendTo(wheel, withinPatch(patch.law, wheel.deflection));
 }
 
 /// One visit to a strut and its tire; the largest change of an impulse.
@@ -383,7 +404,7 @@ float VehicleSim::pushTire(std::size_t i, PointBody& body, float h) {
     const WheelState& wheel = wheels[i];
     const float radius = specs[i].radius, way = patch.way;
     const float own = radius * radius / drivetrain.inertia()[i], give = patch.strutGive;
-    const Vec2 bent = underLoad(wheel.deflection, h * wheel.load, patch.load);
+    const Vec2 bent = meanUnder(wheel.tread(), patch.load / h);
     Sym2 K;
     Vec2 free, change;
     float carGive = 0;
@@ -453,19 +474,18 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     const HubSpeeds hub{wheel.hubSpeed, patches[specs[i].beamPartner].way / h};
     countPatch(i, body, hub.own, hub.other);
     wheel.travel = travelOf(patch, body, hub);
-    wheel.deflection = underLoad(wheel.deflection, h * wheel.load, patch.load);
-    wheel.load = patch.load / h;
+    takeLoad(wheel, patch.load / h);
     peakLoads[i] = std::max(peakLoads[i], wheel.load);
     wheel.force = {patch.tire.x / h, patch.tire.y / h};
     if (patch.sliding && patch.law.isBrush()) {
         const TireVisit visit{patch.tire, true};
-        wheel.deflection = withinPatch(
-            patch.law, deflectionAfter(patch.law, patch.line, wheel.deflection, visit, {}, 0, patch.load, h));
+        wheel.bend(withinPatch(patch.law,
+                               deflectionAfter(patch.law, patch.line, wheel.deflection, visit, {}, 0, patch.load, h)));
         wheel.settleTime = 0;
     } else {
         wheel.settleTime = wheel.load > 0 ? h : 0;
         wheel.transport = patch.transport;
-        if (!(wheel.load > 0)) wheel.deflection = {};
+        if (!(wheel.load > 0)) wheel.bend({});
     }
 }
 
