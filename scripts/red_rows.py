@@ -3,7 +3,7 @@
 
     scripts/red_rows.py [rows.json]
 
-Needs python3-matplotlib. Runs build/release/ragtop_bench stability --red at each of RATES, about ten minutes, or reads
+Needs python3-matplotlib. Runs build/release/ragtop_bench stability --red at each of RATES, a quarter of an hour, or reads
 what such a run has written with --json.
 """
 

@@ -58,6 +58,7 @@ inline constexpr RedRow kRedRows[] = {
     {"joint_states/limit of a spring of a hinge: most that it gives, over its limit", 0.24},
     {"joint_states/limit of a spring of a slider: most that it gives, over its limit", 0.25},
     {"joint_states/limit of a spring of a ball: most that it gives, over its limit", 0.18},
+    {"nonconvex/chain of 12 tori, the last 10 times as heavy: links apart beyond taut", 0.0107},
     {"overlap/0.9 m in a box: off its rest after 0.5 s", 0.049},
 };
 
