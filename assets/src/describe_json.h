@@ -95,7 +95,7 @@ Quat readRotation(const JsonValue& value);
 Range readRange(const JsonValue& value);
 void readVector3(const JsonValue& value, Vec3& into);
 void readVector3(const JsonValue& value, DVec3& into);
-/// A boolean, a number or a text, of one of the types that kNumbers and the like in schema_nodes.cpp list.
+/// A boolean, a number or a text, of one of the types that the end of schema_nodes.cpp lists.
 template <class T>
 void readPlain(const JsonValue& from, T& into);
 Json writeNumber(double value);
