@@ -37,10 +37,10 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x1967b00e8e61c517u, 0x8f24942048d93387u},  // tower
-    {0x85a296ef0508d695u, 0x1faf496a1eb59923u},  // wall
-    {0xc5930aff21b0be55u, 0xddabe87b532cadd3u},  // hills
-    {0x8ac986f52983ea6du, 0x7d136dbec97b00f3u},  // bowl
-    {0x5e3c28b2efc20a9cu, 0xbb5f195ba66ae16bu},  // joints
+    {0xb05c084b37cd0787u, 0x234ebc5537adb501u},  // wall
+    {0x7a6704830d2bcf10u, 0x5c86525dabb5e684u},  // hills
+    {0xc43d88959e803095u, 0x0168ffdb35638c6fu},  // bowl
+    {0xe0b0612291853f01u, 0xb5a3aefdcb28a0cbu},  // joints
     {0xf4b4444586bd530fu, 0x851edbb589a4fb25u},  // spinners
     {0xefa6f2b1da44b200u, 0x010b013794c1c4afu},  // chains
     {0x2eff9bfa1dc49a02u, 0x50c661b6da42a24fu},  // house

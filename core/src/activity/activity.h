@@ -59,6 +59,8 @@ struct Activity {
 
     // membership.cpp
     void addToGraph(std::uint32_t manifold) const;
+    /// The load of a contact that a direct solve has left, as one that is carried.
+    void carryWholeLoad(std::uint32_t manifold) const;
     void removeFromGraph(std::uint32_t manifold) const;
     void addJointToGraph(std::uint32_t joint) const;
     void removeJointFromGraph(std::uint32_t joint) const;

@@ -58,6 +58,15 @@ void Activity::removeFromGraph(std::uint32_t index) const {
     contacts[manifold.contact].until = 0;
 }
 
+/// A direct solve leaves the loads that hold: soft rows would take a share of them back one after the other, and where
+/// a press makes loads large each share throws a light body.
+void Activity::carryWholeLoad(std::uint32_t index) const {
+    const ManifoldRecord& manifold = manifolds[index];
+    ManifoldImpulses known = writer.impulsesOf(manifold);
+    for (int j = 0; j < manifold.pointCount; ++j) known.load[j] = known.impulse[j];
+    writer.writeImpulses(contacts[manifold.contact], manifold, known);
+}
+
 void Activity::addJointToGraph(std::uint32_t index) const {
     JointRecord& joint = joints[index];
     const bool movesA = bodies.moves(joint.bodyA), movesB = bodies.moves(joint.bodyB);
@@ -104,9 +113,11 @@ void Activity::applyChoices(const ConstTables& tables, const IslandLists* some) 
     graph.expectContacts(contactCount - becomeDirect, becomeDirect);
     for (std::size_t i = 0; i < directSet.movedConstraints.size(); ++i) {
         const std::uint32_t moved = directSet.movedConstraints[i];
-        if (i < contactCount)
+        if (i < contactCount) {
+            const bool wasDirect = manifolds[moved].place.color == ConstraintGraph::kDirect;
             removeFromGraph(moved), addToGraph(moved);
-        else
+            if (wasDirect) carryWholeLoad(moved);
+        } else
             removeJointFromGraph(moved), addJointToGraph(moved);
     }
     graph.expectContacts(0);

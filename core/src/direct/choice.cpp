@@ -61,8 +61,9 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.hung >= kHungBodies && static_cast<float>(island.hung) > kHungShare * bodies) return Reason::taut;
     if (quiet && island.jointLoad > kJointed) return Reason::taut;
     if ((quiet || !jointed) && island.contactLoad > kCrushing && island.massRatio > kUnequal) return Reason::heavy;
-    // What tumbles changes its contacts in every step, and iteration is as good.
-    if (jointed || !quiet) return Reason::none;
+    // What tumbles changes its contacts in every step, and iteration is as good. What lies inside each other asks for
+    // pushes that contradict, and an exact answer to them is fast.
+    if (jointed || !quiet || island.inside) return Reason::none;
     if (island.buckling > kBuckling) return Reason::tall;
     if (island.contactLoad > kDeep && (island.moving == 0 || island.direct)) return Reason::deep;
     if (island.leaning >= 2 && static_cast<float>(island.leaning) > kLeaning * bodies) return Reason::leaning;

@@ -10,14 +10,21 @@ namespace ragtop::direct {
 /// Why an island is solved directly.
 enum class Reason : std::uint8_t { none, asked, heavy, tall, deep, taut, leaning, tree, loop, stiff, damped, staying };
 
+struct CommonMotion {
+    Vec3 momentum;   ///< kg m/s
+    float mass = 0;  ///< kg
+
+    void add(float more, const Vec3& velocity) { mass += more, momentum += more * velocity; }
+    Vec3 velocity() const { return (1 / mass) * momentum; }
+};
+
 /// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, to
 /// the neighbours that are nearer to the ground (islands/load_paths.h). A load number is such a load over the weight of
 /// the lighter of the two bodies that meet: a column of n equal boxes has n at its foot, a weight on a box their mass
 /// ratio.
 struct IslandFeatures {
     std::uint32_t bodies = 0;
-    Vec3 momentum;                        ///< kg m/s, of all bodies: motion is what differs from their common one
-    float mass = 0;                       ///< kg
+    CommonMotion common;                  ///< of all bodies: motion is what differs from it
     std::uint32_t moving = 0;             ///< bodies that are not nearly at rest against the common motion
     std::uint32_t restless = 0;           ///< bodies that have neither just been made nor been at rest for long
     std::uint32_t leaning = 0;            ///< bodies at rest that nothing level holds up
@@ -33,6 +40,7 @@ struct IslandFeatures {
     bool touches = false;                  ///< has contacts, near or not
     bool bare = true;                      ///< bodies turn freely, and joints are such as trees know
     bool rolls = false;    ///< some contact has resistance to turning or a grain, which only the iteration knows
+    bool inside = false;   ///< some bodies are so far inside each other that iteration moves them apart by places
     bool coupled = false;  ///< joints are coupled with each other, which only the iteration knows
     bool direct = false;   ///< is solved directly now
     std::int32_t staying = 0, cooldown = 0;  ///< steps for which it stays so, or may not be (negative)

@@ -206,6 +206,12 @@ bool onlyWhile(direct::Reason reason) {
     return reason == direct::Reason::deep || reason == direct::Reason::damped || isMechanism(reason);
 }
 
+bool isInside(const ManifoldRecord& manifold, float size) {
+    bool any = false;
+    for (int j = 0; j < manifold.pointCount; ++j) any |= manifold.separation[j] < -contact::kInside * size;
+    return any;
+}
+
 /// What a support edge says of its island.
 void measureEdge(const MeasureView& v, std::size_t index, const Vec3& up) {
     LoadPaths& paths = v.islands.paths;
@@ -214,11 +220,12 @@ void measureEdge(const MeasureView& v, std::size_t index, const Vec3& up) {
     direct::IslandFeatures& island = v.islands.featuresOf(movesA ? edge.a : edge.b);
     const bool aBears = paths.aBears(edge), bBears = paths.bBears(edge);
     if (!edge.joint) {
-        const GraphPlace place = v.tables.manifolds[edge.constraint].place;
-        const float* lane = v.tables.graph.lane(place);
+        const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
+        const float* lane = v.tables.graph.lane(manifold.place);
         for (const int field : {contact::kRolling, contact::kSpinning, contact::kCross})
             island.rolls |= lane[field * v.tables.graph.lanes()] != 0;
-        const Vec3 normal = rotate(v.bodies[edge.a].rotation, v.tables.manifolds[edge.constraint].normal);
+        island.inside |= isInside(manifold, v.tables.contacts[manifold.contact].size);
+        const Vec3 normal = rotate(v.bodies[edge.a].rotation, manifold.normal);
         const float cosine = dot(normal, up);
         const bool upright = cosine > kLevel || cosine < -kLevel;
         if (upright && standsOn(v, edge.constraint)) paths.heldLevel[cosine > 0 ? edge.b : edge.a] = 1;
@@ -265,9 +272,7 @@ static void measureBodies(const MeasureView& v, float gravity) {
     LoadPaths& paths = v.islands.paths;
     for (const std::uint32_t body : v.members()) {
         if (!v.bodies.moves(body)) continue;
-        direct::IslandFeatures& island = v.islands.featuresOf(body);
-        island.mass += v.bodies[body].mass;
-        island.momentum += v.bodies[body].mass * v.bodies.states[body].v;
+        v.islands.featuresOf(body).common.add(v.bodies[body].mass, v.bodies.states[body].v);
     }
     for (const std::uint32_t body : v.members()) {
         if (!v.bodies.moves(body)) continue;
@@ -275,7 +280,7 @@ static void measureBodies(const MeasureView& v, float gravity) {
         ++island.bodies;
         island.bare &= turnsFreely(v.bodies, body);
         island.spin = std::max(island.spin, v.h * length(v.bodies.states[body].w));
-        const Vec3 common = (1 / island.mass) * island.momentum;
+        const Vec3 common = island.common.velocity();
         const float speed =
             length(v.bodies.states[body].v - common) + length(v.bodies.states[body].w) * v.bodies[body].radius;
         const bool slow = speed <= kSlow * std::sqrt(gravity * v.bodies[body].size);

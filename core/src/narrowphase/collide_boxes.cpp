@@ -356,7 +356,7 @@ void boxes(const Vec3& halfExtentsA, const Vec3& halfExtentsB, const Frame& bInA
     const gjk::PlacedCoreSupport supportB(viewB, bInA);
     const gjk::Closest cores = gjk::closest(supportA, supportB, -bInA.position);
     if (cores.overlap) {
-        deepestPoint(out.normal, best.separation, supportB(-out.normal), out);
+        commonPoint(out.normal, best.separation, cores.pointB, out);
     } else {
         closestPoint(cores, 0, 0, margin, kPointFeature, out);
     }

@@ -44,11 +44,13 @@ int segmentOnFace(const HullView& a, int face, const Rod& rod, ManifoldPoint* ou
 
 namespace {
 
-/// Two points along an edge of the polyhedron that lies nearly parallel under the segment; 0 when there is none.
+/// Two points along an edge of the polyhedron that lies nearly parallel under the segment; 0 when there is none. Where
+/// an edge is a little beside the core, x, the skin over it is lower by x²/2r; where that counts it is not under the
+/// segment.
 int segmentOnEdge(const HullView& a, const Vec3& normal, const Rod& rod, ManifoldPoint* out) {
     constexpr float kNearlyParallel = 0.01f;  // sin²
     const Vec3 d = rod.q - rod.p;
-    const float dd = lengthSquared(d), tolerance = kChoiceTolerance * rod.size;
+    const float dd = lengthSquared(d), tolerance = kChoiceTolerance * rod.size, beside = 2 * rod.radius * tolerance;
     float highest = dot(a.vertices[0], normal);
     for (const Vec3& vertex : a.vertices) {
         const float height = dot(vertex, normal);
@@ -65,14 +67,16 @@ int segmentOnEdge(const HullView& a, const Vec3& normal, const Rod& rod, Manifol
         t = high > 1 ? 1 : high;
         if (!(s < t)) continue;
         int count = 0;
-        for (int end = 0; end < 2; ++end) {
+        bool under = true;
+        for (int end = 0; end < 2 && under; ++end) {
             const Vec3 point = rod.p + (end == 0 ? s : t) * d;
             const Vec3 onEdge = from + (dot(point - from, e) / ee) * e;
-            const float separation = dot(normal, point - onEdge) - rod.radius;
+            const float height = dot(normal, point - onEdge), separation = height - rod.radius;
+            under = lengthSquared(point - onEdge - height * normal) <= beside;
             if (separation > rod.margin) continue;
-            out[count++] = {0.5f * (onEdge + point - rod.radius * normal), separation,
-                            edgeFeature(static_cast<int>(i), end)};
+            out[count++] = {onEdge + 0.5f * separation * normal, separation, edgeFeature(static_cast<int>(i), end)};
         }
+        if (!under) continue;
         return count;
     }
     return 0;
@@ -108,8 +112,9 @@ void shallow(const HullView& a, const gjk::Closest& cores, const Rod& rod, Manif
     out.pointCount = count > 0 ? count : out.pointCount;
 }
 
-/// Faces, and edges whose arc of normals crosses the circle of directions perpendicular to the segment.
-void deep(const HullView& a, const Rod& rod, Manifold& out) {
+/// Faces, and edges whose arc of normals crosses the circle of directions perpendicular to the segment. `common` is a
+/// point of both.
+void deep(const HullView& a, const Rod& rod, const Vec3& common, Manifold& out) {
     constexpr float kParallelSides = 1e-5f;  // sine of the angle, some 80 units in the last place
     const Vec3 d = rod.q - rod.p;
     int face = -1, edge = -1;
@@ -145,7 +150,7 @@ void deep(const HullView& a, const Rod& rod, Manifold& out) {
         if (out.pointCount > 0) return;
         const Vec3 lower = dot(out.normal, d) < 0 ? rod.q : rod.p;
         const float separation = dot(out.normal, lower) - a.planes[static_cast<std::size_t>(face)].offset - rod.radius;
-        deepestPoint(out.normal, separation, lower - rod.radius * out.normal, out);
+        commonPoint(out.normal, separation, common, out);
         return;
     }
     const HullData::Edge& chosen = a.edges[static_cast<std::size_t>(edge)];
@@ -216,7 +221,7 @@ void hullCapsule(const HullView& a, const Vec3& p, const Vec3& q, float radius, 
     const gjk::PointsSupport supportA{a.vertices.data(), static_cast<int>(a.vertices.size())};
     cores = gjk::closest(supportA, gjk::PointsSupport{ends, 2}, a.center - 0.5f * (p + q));
     if (cores.overlap) {
-        deep(a, rod, out);
+        deep(a, rod, cores.pointB, out);
     } else {
         shallow(a, cores, rod, out);
     }

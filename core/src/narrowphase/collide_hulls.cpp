@@ -108,7 +108,7 @@ void cornerContact(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3&
     const gjk::PointsSupport supportB{b.data(), static_cast<int>(b.size())};
     const gjk::Closest cores = gjk::closest(supportA, supportB, apart);
     if (cores.overlap) {
-        deepestPoint(axis.normal, axis.separation, supportB(-axis.normal), out);
+        commonPoint(axis.normal, axis.separation, cores.pointB, out);
     } else {
         closestPoint(cores, 0, 0, margin, kPointFeature, out);
     }

@@ -44,10 +44,10 @@ void closestPoint(const gjk::Closest& cores, float radiusA, float radiusB, float
                      feature};
 }
 
-void deepestPoint(const Vec3& normal, float separation, const Vec3& pointB, Manifold& out) {
+void commonPoint(const Vec3& normal, float separation, const Vec3& position, Manifold& out) {
     out.normal = normal;
     out.pointCount = 1;
-    out.points[0] = {pointB - 0.5f * separation * normal, separation, kPointFeature};
+    out.points[0] = {position, separation, kPointFeature};
 }
 
 void flip(Manifold& manifold, const Frame& otherInThis) {

@@ -78,8 +78,9 @@ Part trianglePart(const Simplex& s, int i, int j, int k) {
     return part.count == 0 ? edge : nearer(edge, part);
 }
 
-/// The part of a tetrahedron nearest to the origin; count 0 when the origin is inside.
-Part tetrahedronPart(const Simplex& s) {
+/// The part of a tetrahedron nearest to the origin; count 0 when the origin is inside, with these `weights` then: its
+/// height above each face by that of the fourth corner.
+Part tetrahedronPart(const Simplex& s, float weights[4]) {
     static constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
     Part best;
     for (const auto& face : kFaces) {
@@ -89,6 +90,7 @@ Part tetrahedronPart(const Simplex& s) {
         const float fourth = dot(n, ad), origin = -dot(n, a);
         constexpr float kFlat = 1e-12f;  // (volume / product of edges)²: no side is the inner one
         const bool flat = fourth * fourth <= kFlat * lengthSquared(n) * lengthSquared(ad);
+        weights[face[3]] = origin / fourth;
         if (!flat && fourth * origin > 0) continue;
         const Part part = trianglePart(s, face[0], face[1], face[2]);
         if (best.count == 0 || part.squared < best.squared) best = part;
@@ -111,13 +113,10 @@ Vec3 reduce(Simplex& simplex) {
             part = trianglePart(simplex, 0, 1, 2);
             break;
         default:
-            part = tetrahedronPart(simplex);
+            part = tetrahedronPart(simplex, simplex.weight);
             break;
     }
-    if (part.count == 0) {
-        for (float& weight : simplex.weight) weight = 0.25f;
-        return {};
-    }
+    if (part.count == 0) return {};
     const Simplex all = simplex;
     simplex.count = part.count;
     for (int i = 0; i < part.count; ++i) {

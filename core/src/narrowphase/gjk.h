@@ -14,7 +14,7 @@ struct Simplex {
 };
 
 struct Closest {
-    Vec3 pointA, pointB;
+    Vec3 pointA, pointB;   ///< one point of both where they overlap
     Vec3 normal{0, 1, 0};  ///< unit, from A to B; {0,1,0} when the sets overlap
     float distance = 0;
     bool overlap = false;

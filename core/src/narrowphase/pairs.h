@@ -41,8 +41,9 @@ void hullCapsule(const HullView& a, const Vec3& p, const Vec3& q, float radius, 
 /// One point from the closest points of two shapes apart; none when they overlap or are farther apart than margin.
 void closestPoint(const gjk::Closest& cores, float radiusA, float radiusB, float margin, std::uint32_t feature,
                   Manifold& out);
-/// One point at B's farthest corner `pointB` against the normal.
-void deepestPoint(const Vec3& normal, float separation, const Vec3& pointB, Manifold& out);
+/// One point at a place of both shapes, of an overlap along an axis whose faces and edges are not where they overlap.
+/// The deepest corner would be one of many, and may be as far away as the shape is large.
+void commonPoint(const Vec3& normal, float separation, const Vec3& position, Manifold& out);
 /// The manifold of the pair in the other order, seen from the other shape, whose frame is `otherInThis`.
 void flip(Manifold& manifold, const Frame& otherInThis);
 

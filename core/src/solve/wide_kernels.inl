@@ -6,7 +6,7 @@
 //   1/m_eff = 1/mA + 1/mB + (rA × n)·IA⁻¹(rA × n) + (rB × n)·IB⁻¹(rB × n).
 // With β, s_m, s_i of a soft row [Catto, Soft Constraints, GDC 2011] and the carried load λ̂, λ ≥ 0 changes by
 //   apart, C > 0       Δλ = −m_eff (u + C/h)
-//   overlap, soft      Δλ = min(−m_eff s_m β C − s_i (λ − λ̂), m_eff u_most) − m_eff s_m u
+//   overlap, soft      Δλ = min(m_eff u_C − s_i (λ − λ̂), m_eff u_most) − m_eff s_m u,   u_C = min(−s_m β C, u_held)
 //   overlap, relax     Δλ = −m_eff u
 // and both bodies take it at once: v ← v ± Δλ n/m, ω ← ω ± Δλ I⁻¹ (r × n). The points of a manifold follow each other
 // (Gauss–Seidel); then come its twist and rolling rows and one pair of friction rows in the cone |λt| ≤ μ Σ λ
@@ -39,6 +39,22 @@ RAGTOP_INLINE Lanes<N> deepOf(const ContactBundle<N, L, kGround>& c, const Solve
     return max(Lanes<N>(contact::kDeep) * c.field(contact::kSize), Lanes<N>(context.heavyDepth));
 }
 
+/// m/s, what an overlap adds at most to what its load takes.
+template <int N, int L, bool kGround>
+RAGTOP_INLINE Lanes<N> pushOf(const ContactBundle<N, L, kGround>& c, const SolverContext& context) {
+    const Lanes<N> size = c.field(contact::kSize);
+    return min(Lanes<N>(context.pushOut) * size, Lanes<N>(context.pushRoot) * sqrt(size));
+}
+
+/// m/s, u_held: what a soft row answers the depth with that counts as deep, and the push. No more takes a body out
+/// sooner; and where nothing gives way, in a press, loads would grow with depth until a normal that turns a little throws
+/// what is pressed.
+template <int N, int L, bool kGround>
+RAGTOP_INLINE Lanes<N> mostHeld(const ContactBundle<N, L, kGround>& c, const SolverContext& context) {
+    const Softness& hard = context.softStatic;
+    return Lanes<N>(hard.massScale * hard.biasRate) * deepOf(c, context) + pushOf(c, context);
+}
+
 /// How much of what a row with the ground carries is its own body's: 1 up to twice its weight, then less.
 template <int N>
 RAGTOP_INLINE Lanes<N> ownShare(Lanes<N> mass, Lanes<N> impulse, const SolverContext& context) {
@@ -47,12 +63,14 @@ RAGTOP_INLINE Lanes<N> ownShare(Lanes<N> mass, Lanes<N> impulse, const SolverCon
 
 /// λ̂ ← λ̂ + α (λ − λ̂). Integral action on a row that carries n times its own mass is stable while its time constant is
 /// long beside n times that of the row: contacts with the ground that carry little else than their body may be quick, and
-/// so may points that have sunk to twice what counts as deep, as long as they are.
+/// so may points that have sunk to twice what counts as deep, as long as they are. None grows beyond what a soft row
+/// holds at rest.
 template <int N, bool kGround>
 RAGTOP_INLINE void updateLoads(ContactBundle<N, N, kGround>& c, typename Mask<N>::V count, const SolverContext& context) {
     const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare);
     const Lanes<N> fast(context.staticLoadShare), quick = select(c.isFixed(), fast, zero);
     const Lanes<N> deep = deepOf(c, context);
+    const Lanes<N> most = divideOrZero(mostHeld(c, context), Lanes<N>(context.softStatic.impulseScale));
     for (int j = 0; j < contact::kMaxPoints; ++j) {
         if (!any(Mask<N>{count > j})) return;
         const Lanes<N> mass = c.field(pointField(j, contact::kMass)),
@@ -63,7 +81,7 @@ RAGTOP_INLINE void updateLoads(ContactBundle<N, N, kGround>& c, typename Mask<N>
         const Lanes<N> deepShare = fast * min(max(sunk - one, zero), one);
         const Lanes<N> carried = load + max(max(slow, deepShare), quick * own * own) * (impulse - load);
         // What has lost half its load is no longer what it was, and would be pushed away.
-        c.set(pointField(j, contact::kLoad), min(carried, impulse + impulse));
+        c.set(pointField(j, contact::kLoad), min(min(carried, impulse + impulse), max(mass * most, load)));
     }
 }
 
@@ -245,6 +263,7 @@ struct NormalSoftness {
     Lanes<N> rate{0.0f}, massScale{1.0f}, impulseScale{0.0f};
     Lanes<N> push{0.0f};  ///< m/s, pushOut
     Lanes<N> deep{0.0f};  ///< m, beyond which rows are as stiff as those with the ground
+    Lanes<N> most{0.0f};  ///< m/s, mostHeld
 
     template <int L, bool kGround>
     RAGTOP_INLINE void take(const ContactBundle<N, L, kGround>& c, Mask<N> isStatic, const SolverContext& context) {
@@ -255,9 +274,9 @@ struct NormalSoftness {
         massScale = of(&Softness::massScale);
         rate = massScale * of(&Softness::biasRate);
         impulseScale = of(&Softness::impulseScale);
-        const Lanes<N> size = c.field(contact::kSize);
-        push = min(Lanes<N>(context.pushOut) * size, Lanes<N>(context.pushRoot) * sqrt(size));
+        push = pushOf(c, context);
         deep = deepOf(c, context);
+        most = mostHeld(c, context);
     }
 };
 
@@ -301,7 +320,7 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
             const Lanes<N> separation = separations.at(c, j, anchor);
             const Mask<N> apart = separation > 0.0f;
             Lanes<N> overlap = soft.rate * separation;
-            if constexpr (kBias) overlap = min(overlap, deepRate * (separation + soft.deep));
+            if constexpr (kBias) overlap = max(min(overlap, deepRate * (separation + soft.deep)), -soft.most);
             const Lanes<N> bias = select(apart, separation * inverseH + lead, overlap);
             const Lanes<N> scale = select(apart, one, soft.massScale);
             const Lanes<N> leak = select(apart, zero, soft.impulseScale);
