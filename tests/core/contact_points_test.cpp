@@ -51,7 +51,8 @@ Drawn drawShape(Random& random, float s) {
 /// Any, or one that a scene has: aligned but for a little.
 Quat drawRotation(Random& random) {
     if (random.uniform(0, 1) < 0.5f) return random.rotation();
-    Quat q = rotationAbout(random.direction(), between(random, 1e-7f, 0.1f));
+    const float angle = between(random, 1e-7f, 0.1f);
+    Quat q = rotationAbout(random.direction(), angle);
     for (int turns = static_cast<int>(random.uniform(0, 4)); turns > 0; --turns)
         q = q * rotationAbout(turns % 2 == 0 ? Vec3{1, 0, 0} : Vec3{0, 0, 1}, kPi / 2);
     return q;

@@ -25,7 +25,8 @@ public:
 
     BodyId add(World& world, const DVec3& place) {
         const float s = size_[0] * std::pow(size_[1] / size_[0], random_.uniform(0, 1));
-        BodyDef def = bodyDef(shape(s), place, surface(random_.uniform(0.1f, 1)));
+        const Material rough = surface(random_.uniform(0.1f, 1));
+        BodyDef def = bodyDef(shape(s), place, rough);
         def.shapes[0].density = 1000 * std::pow(heaviness_, random_.uniform(-1, 1));
         def.pose.rotation = random_.rotation();
         return world.create(def);
@@ -45,9 +46,10 @@ private:
             }
             case 3:
                 return ConvexHull(randomPoints(random_, 5 + static_cast<int>(random_.uniform(0, 30)), s));
-            case 4:
-                return scenes::torus(0.7f * s, s * random_.uniform(0.1f, 0.3f),
-                                     8 + static_cast<std::uint32_t>(random_.uniform(0, 16)), 8);
+            case 4: {
+                const auto sides = 8 + static_cast<std::uint32_t>(random_.uniform(0, 16));
+                return scenes::torus(0.7f * s, s * random_.uniform(0.1f, 0.3f), sides, 8);
+            }
             default: {
                 Compound both;
                 for (const float side : {-0.4f, 0.4f})

@@ -87,12 +87,12 @@ Twist Equations::motionOf(const SystemPair& pair, const double* v) const {
     Twist u;
     if (pair.b != kFixed) {
         const double* at = v + 6 * pair.b;
-        const Twist of = unlocked(bodies[pair.b].locks, {load(at), load(at + 3)});
+        const Twist of = unlocked(bodies[static_cast<std::size_t>(pair.b)].locks, {load(at), load(at + 3)});
         u = {of.linear + cross(of.turn, pair.armB), of.turn};
     }
     if (pair.a != kFixed) {
         const double* at = v + 6 * pair.a;
-        const Twist of = unlocked(bodies[pair.a].locks, {load(at), load(at + 3)});
+        const Twist of = unlocked(bodies[static_cast<std::size_t>(pair.a)].locks, {load(at), load(at + 3)});
         u = {u.linear - (of.linear + cross(of.turn, pair.armA)), u.turn - of.turn};
     }
     return u;
@@ -100,8 +100,8 @@ Twist Equations::motionOf(const SystemPair& pair, const double* v) const {
 
 void Equations::push(const SystemPair& pair, const Twist& load, double* momentum) const {
     const auto give = [&](std::int32_t body, double sign, const DVec3& arm) {
-        const Twist given =
-            unlocked(bodies[body].locks, {sign * load.linear, sign * (cross(arm, load.linear) + load.turn)});
+        const Twist given = unlocked(bodies[static_cast<std::size_t>(body)].locks,
+                                     {sign * load.linear, sign * (cross(arm, load.linear) + load.turn)});
         add(given.linear, momentum + 6 * body);
         add(given.turn, momentum + 6 * body + 3);
     };

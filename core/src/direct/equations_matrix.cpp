@@ -193,7 +193,9 @@ void Equations::addPair(const SystemPair& pair) {
     DMat3 pA = timesCross(g, pair.armA), pB = timesCross(g, pair.armB);
     if (sums.hasBoth)
         for (int i = 0; i < 9; ++i) pA.at[i] -= sums.both.at[i], pB.at[i] -= sums.both.at[i];
-    const auto locksOf = [&](std::int32_t body) { return body == kFixed ? 0u : bodies[body].locks; };
+    const auto locksOf = [&](std::int32_t body) {
+        return body == kFixed ? 0u : bodies[static_cast<std::size_t>(body)].locks;
+    };
     const std::uint32_t locksA = locksOf(pair.a), locksB = locksOf(pair.b);
     // Of what is locked a block of its own takes the movements out.
     const auto add = [&](Block6& to, std::uint32_t ofRows, std::uint32_t ofColumns, auto&& addTo) {

@@ -30,7 +30,6 @@ struct Rows {
     }
 };
 
-constexpr double dot(const DVec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 double absDot(const DVec3& a, const Vec3& b) {
     return std::abs(a.x) * std::abs(static_cast<double>(b.x)) + std::abs(a.y) * std::abs(static_cast<double>(b.y)) +
            std::abs(a.z) * std::abs(static_cast<double>(b.z));
