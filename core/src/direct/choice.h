@@ -10,6 +10,7 @@ namespace ragtop::direct {
 /// Why an island is solved directly.
 enum class Reason : std::uint8_t { none, asked, heavy, tall, deep, taut, leaning, tree, loop, stiff, damped, staying };
 
+/// Of the bodies of an island together.
 struct CommonMotion {
     Vec3 momentum;   ///< kg m/s
     float mass = 0;  ///< kg
